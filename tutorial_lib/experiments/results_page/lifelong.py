@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
 from tutorial_lib.experiments.ltvn.model import APART, FAR, FAR_RATE
 from tutorial_lib.experiments.ltvn.spurious import TRIED
 from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
@@ -175,33 +174,9 @@ def spurious(rows: Rows) -> str:
     return table(["spoilt", "updates", "worlds", *head, "injected, gone", "true, pruned"], lines)
 
 
-def _change_section(results: Results) -> list[str]:
-    rows = results.rows("ltvn_change")
-    lines = []
-    for row in matching(rows, block=0, phase=OPEN):
-        cells = []
-        for phase in PHASES:
-            blocks = matching(rows, agent=row["agent"], phase=phase)
-            cells += [
-                f"{percent(blocks[i]['success'], 0)}, {number(blocks[i]['seconds'], 0)} s"
-                for i in (0, -1)
-            ]
-        lines.append([AGENTS[row["agent"]], *cells])
-    count = count_of(rows[0])
-    head = [f"{phase}, {which} {count}" for phase in PHASES for which in ("first", "last")]
-    return [
-        f"A door that all queries lead through is closed by people who stand in it, and opened "
-        f"again; the drives hold a detour. {rows[0]['worlds']} test buildings in which there is "
-        f"such a door, {count * len(matching(rows, agent=rows[0]['agent'], phase=OPEN))} queries "
-        f"in each phase, fleets of 5: success and mean seconds of the first and the last {count}.",
-        table(["agent", *head], lines),
-    ]
-
-
 SECTIONS = (
     Section("LTVN's label", ("ltvn_label",), _label_section),
     Section("LTVN's model", ("ltvn_model",), _model_section),
     Section("Hundreds of queries", ("ltvn_lifelong",), _lifelong_section),
     Section("Spurious and missing edges", ("ltvn_spurious",), _spurious_section),
-    Section("A door that closes", ("ltvn_change",), _change_section),
 )

@@ -22,7 +22,7 @@ ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
 EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
-LIFELONG = ("label", "model", "lifelong", "spurious", "change")
+LIFELONG = ("label", "model", "lifelong", "spurious")
 """Experiments of maps that mend themselves."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", TOUR)
