@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
+from pickle import PicklingError
 from typing import Any
 
 import joblib
@@ -53,7 +54,10 @@ def resumable(folder: Path) -> Iterator[None]:
 
 def _kept(folder: Path, work: Callable[..., Any], item: object, *arguments: object) -> Any:  # noqa: ANN401
     """What `work(item, *arguments)` returns, from the folder if it was finished before."""
-    path = folder / f"{joblib.hash((work, item, arguments))}.pkl"
+    try:
+        path = folder / f"{joblib.hash((work, item, arguments))}.pkl"
+    except PicklingError:  # of what has no name, as a lambda, nothing is kept
+        return work(item, *arguments)
     if path.exists():
         return joblib.load(path)
     found = work(item, *arguments)
