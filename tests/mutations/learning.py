@@ -223,7 +223,7 @@ MUTATIONS = [
         "learning/threads.py",
         "if not by_environment and torch.get_num_threads() == _AT_IMPORT and not _told_mkl():",
         "if not by_environment:",
-        "learning/test_threads.py -k stays",
+        "learning/test_threads.py",
     ),
     (
         "a mean counts what is not counted",
