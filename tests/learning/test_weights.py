@@ -420,7 +420,16 @@ def test_only_what_has_a_recipe_is_trained(capsys, arguments):
     assert "--k" in error
     if arguments:
         choices = re.search(r"choose from (.*)\)", error)[1]
-        assert re.findall(r"\w+", choices) == ["0", "2", "5", "direct", "laser", "sptm", "ving", "rgb"]
+        assert re.findall(r"\w+", choices) == [
+            "0",
+            "2",
+            "5",
+            "direct",
+            "laser",
+            "sptm",
+            "ving",
+            "rgb",
+        ]
 
 
 def test_another_network_s_name_is_refused(capsys):
