@@ -543,7 +543,7 @@ sliders(
 # %% [markdown]
 # ## 7 · What nobody had used
 #
-# Pruning can cut a map in two. But most images of the tour were never used: they were redundant, or nothing could be joined to them. LTVN keeps those that nothing could be joined to as $T'$ (we keep the redundant ones as well: where the map is broken, a second photo of a place is worth something). When no path is left, it samples from $T'$ until there is one, *keeps only the images on that path*, and puts the others back.
+# Pruning can cut a map in two. But most images of the tour were never used: they were redundant, or nothing could be joined to them. LTVN keeps those that nothing could be joined to as $T'$. We keep the redundant ones as well: where the map is broken, a second photo of a place is worth something. When no path is left, it samples from $T'$ until there is one, *keeps only the images on that path*, and puts the others back.
 #
 # ### Exercise 6 · `expand` (medium, 8 minutes)
 #

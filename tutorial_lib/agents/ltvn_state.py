@@ -21,8 +21,8 @@ class TravelSettings:
 
     Attributes:
         sure: r-hat above which a robot counts a vertex as seen among all, or the goal.
-        doubt: r-hat of an edge's target below which the robot does not set off (ours).
         near: the same among vertices next to its last path, and of the target where it arrives.
+        doubt: r-hat of an edge's target below which the robot does not set off (ours).
         localize: D_l, length within which the robot is at a vertex.
         executed: metres from a waypoint within which the robot has driven there.
         arrival: metres to a target within which an arrival there is strict.
@@ -50,7 +50,7 @@ class TravelSettings:
     spare: float = 3.0
 
     def __post_init__(self) -> None:
-        for name in ("sure", "near"):
+        for name in ("sure", "near", "doubt"):
             number(name, getattr(self, name), least=0.0, most=1.0)
         for name in ("localize", "executed", "arrival", "goal", "search", "slow"):
             number(name, getattr(self, name), above=0.0)

@@ -58,7 +58,7 @@ class MendingNavigation:
         """Nobody has driven yet."""
         self.navigation, self._upkeep = navigation, upkeep
         self.traversals: list[Traversal] = []
-        # Of each robot the plan that it follows, and the place where it was seen first on it.
+        # Of each robot its plan, its place on it, and how many of its edges it has passed.
         self._plans: list[object] = [None] * len(navigation.plans)
         self._visited = np.full(len(navigation.plans), -1)
         self._passed = np.zeros(len(navigation.plans), dtype=int)

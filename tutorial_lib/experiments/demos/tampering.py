@@ -169,7 +169,8 @@ class TamperedMap:
     def _add(self) -> str:
         """Add an edge between places far apart, which looks like any other one."""
         upkeep = self._agent.upkeep
-        edges, vertices = sorted(upkeep.graph.edges), self._agent.sampled.vertices
+        driven = [(a, b) for a, b, edge in upkeep.graph.edges(data=True) if "turn" not in edge]
+        edges, vertices = sorted(driven), self._agent.sampled.vertices
         tried = self._rng.choice(vertices, (1000, 2)).tolist()
         apart = [float(np.hypot(*(self._poses[a] - self._poses[b])[:2])) for a, b in tried]
         far = next((i for i, metres in enumerate(apart) if metres > WORMHOLE), None)

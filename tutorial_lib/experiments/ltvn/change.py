@@ -1,4 +1,4 @@
-"""A door closes, and opens again: who finds the detour, and who comes back to the short path?
+"""A door closes and opens again: which maps find the detour, and which use the door again?
 
 In each building one door is closed for a while by people who stand in it. All queries lead through
 that door where it is open, and the learned drives hold a detour around it. Maps that mend
@@ -14,6 +14,9 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.mending import MendingMengAgent
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
@@ -153,7 +156,7 @@ def lived(item: tuple[int, Doorway, str], seed: int, settings: Settings) -> dict
     return found
 
 
-def learned(building: Building, name: str) -> Any:  # noqa: ANN401 - one of several agents
+def learned(building: Building, name: str) -> LTVNAgent | MengAgent:
     """An agent that has learned a building."""
     if name in (MENDING, FROZEN):
         return prepared_agent(building, name, NETWORK)
@@ -167,7 +170,7 @@ def learned(building: Building, name: str) -> Any:  # noqa: ANN401 - one of seve
 def _queries(
     building: Building,
     trials: Trials,
-    agent: Any,  # noqa: ANN401 - one of several agents
+    agent: LTVNAgent | MengAgent,
     fleet: int,
     first: int,
     people: tuple[Person, ...],
@@ -176,9 +179,9 @@ def _queries(
     parts = []
     for begin in range(0, len(trials), fleet):
         some = trials.subset(np.arange(begin, min(begin + fleet, len(trials))))
-        if hasattr(agent, "upkeep"):
+        if isinstance(agent, LTVNAgent | MendingMengAgent):
             agent.upkeep.begin(first + begin)
-        if hasattr(agent, "sampled"):
+        if isinstance(agent, LTVNAgent):
             outcome, _ = run_fleet(building, some, agent, people)
         else:
             goals = goals_of(some, VIEWS["camera16"], K)

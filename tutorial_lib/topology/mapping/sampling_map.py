@@ -199,21 +199,19 @@ class SampledMap:
             if self.rules.reverse is not None and not self.graph.has_edge(target, source):
                 self.graph.add_edge(target, source, **self.attributes(target, source, reverse=True))
 
-    def join_by_turning(self, settings: TurnSettings) -> int:
-        """Join vertices at one place that look different ways, both ways (ours); how many edges.
+    def join_by_turning(self, settings: TurnSettings) -> None:
+        """Join vertices at one place that look different ways, in both directions (ours).
 
-        Two such images share nothing, so Algorithm 1 joins them never. See `turn_edges`.
+        Two such images share nothing, so Algorithm 1 never joins them. See `turn_edges`.
         """
-        pool, before = self.pool, self.graph.number_of_edges()
-        everyone = pool.observations[np.arange(len(pool))]
-        turns = turns_among(everyone, pool.drive, self.vertices, settings)
+        everyone = self.pool.observations[np.arange(len(self.pool))]
+        turns = turns_among(everyone, self.pool.drive, self.vertices, settings)
         for source, target, pose in zip(
             turns.anchors.tolist(), turns.vertices.tolist(), turns.poses, strict=True
         ):
             for edge, waypoint in (((source, target), pose), ((target, source), inverse(pose))):
                 if not self.graph.has_edge(*edge):
                     self.graph.add_edge(*edge, **self._turn(waypoint, settings.p_turn))
-        return self.graph.number_of_edges() - before
 
     def _turn(self, waypoint: Array, probability: float) -> dict:
         """Attributes of an edge along which the robot turns where it stands."""
