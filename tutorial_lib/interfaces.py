@@ -134,7 +134,10 @@ class RelativeModel(Protocol):
     k: int
 
     def prepare(self, contexts: NDArray) -> Targets:
-        """Targets from images (M, 2k+1, H, W, C); computed once, indexable by an array."""
+        """Targets from images (M, 2k+1, H, W, C); computed once, indexable by an array.
+
+        Images alone are (M, 1, H, W, C).
+        """
 
     def predict(self, observations: Observation, targets: Targets) -> tuple[Array, Array]:
         """Probabilities (N,) that targets are reachable, and their poses (N, 3) if they are."""

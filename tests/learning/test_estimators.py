@@ -12,6 +12,7 @@ from tutorial_lib.learning.estimators import (
     DirectNetwork,
     EncodedTargets,
     ReachabilityNetwork,
+    RelativeNetwork,
     WaypointNetwork,
 )
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
@@ -171,6 +172,15 @@ def test_another_context_is_refused(recorded, seen, k):
     for ask in (lambda: predictor.prepare(contexts), lambda: predictor.predict(seen, contexts)):
         with pytest.raises(InputError, match=r"k = 1: give \(M, 3, H, W, C\)"):
             ask()
+
+
+def test_an_image_alone_stands_for_all_of_its_context(recorded, seen):
+    model = RelativeNetwork(network_of(Architecture(1, outputs="relative")))
+    alone = targets_of(recorded, model)[:, 1:2]
+    for one, all_of_them in zip(
+        model.predict(seen, alone), model.predict(seen, np.repeat(alone, 3, axis=1)), strict=True
+    ):
+        assert one == pytest.approx(all_of_them, **CLOSE)
 
 
 def test_targets_without_a_context_s_axis_are_refused(recorded):

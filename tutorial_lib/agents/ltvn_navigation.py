@@ -103,7 +103,7 @@ class LTVNNavigation:
         """How one image of the goal becomes a vertex: edges lead to it from where it is seen."""
         pool, model = self._map.pool, self._map.pool.model
         image = model.view.of(goal.observations)[:1]
-        target = model.prepare(_alone(image, model.k))
+        target = model.prepare(image[:, None])
         vertices = self._map.vertices
         reachable, waypoints = pool.lead_to(vertices, target)
         metres, limit = length(waypoints), self._map.rules.connect
@@ -304,7 +304,7 @@ class LTVNNavigation:
         pool, model = self._map.pool, self._map.pool.model
         ahead, there = pool.seen_from(observation, vertices)
         image = model.view.of(observation)
-        back, here = pool.lead_to(vertices, model.prepare(_alone(image, model.k)))
+        back, here = pool.lead_to(vertices, model.prepare(image[:, None]))
         better = back > ahead
         return np.maximum(ahead, back), np.where(better[:, None], inverse(here), there)
 
@@ -343,8 +343,3 @@ class LTVNNavigation:
             self._rotation.begin(np.array([robot]), observation.odometry, np.array([_ALL]))
         state.searched += 1
         self.given_up[robot] = state.searched * STEP > self._settings.search
-
-
-def _alone(images: NDArray, k: int) -> NDArray:
-    """Images (N, ...) without context as targets (N, 2k+1, ...): each stands for all of its own."""
-    return np.repeat(images[:, None], 2 * k + 1, axis=1)

@@ -60,6 +60,9 @@ _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cac
 class _Estimator:
     """A network behind the interfaces."""
 
+    takes_alone = False
+    """Whether an image (M, 1, ...) may stand for all of a target's context."""
+
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
         settle_threads()
         self.name = network if isinstance(network, str) else "this network"
@@ -83,7 +86,8 @@ class _Estimator:
             InputError: when the images have another size, or k does not fit the network.
         """
         wanted, contexts = self.architecture.images, np.asarray(contexts)
-        if contexts.ndim != 5 or contexts.shape[1] != wanted:
+        alone = self.takes_alone and contexts.ndim == 5 and contexts.shape[1] == 1
+        if not alone and (contexts.ndim != 5 or contexts.shape[1] != wanted):
             raise InputError(
                 f"targets: contexts {contexts.shape}; this network has k = {self.architecture.k}: "
                 f"give (M, {wanted}, H, W, C), each target with its context"
@@ -242,6 +246,7 @@ class RelativeNetwork(ReachabilityNetwork):
     """LTVN's model: whether a target is reachable and where it is, from one pair of images."""
 
     outputs_wanted = "relative"
+    takes_alone = True  # as some of the targets that it learns from
 
     def predict(
         self, observations: Observation, targets: EncodedTargets | NDArray

@@ -126,7 +126,7 @@ class LocalNetwork(nn.Module):
 
         Args:
             current: (N, ...) from `encode_current`.
-            targets: (N, 2k+1, ...) from `encode_targets`.
+            targets: (N, 2k+1, ...) from `encode_targets`; of images alone (N, 1, ...).
 
         Returns:
             (N, O) outputs, and (N, 2k+1, 4) the pose of each context image: x, y, cosine and sine
@@ -156,10 +156,11 @@ class LocalNetwork(nn.Module):
     def _outputs(self, features: Tensor) -> Tensor:
         """Outputs (N, O) from features of pairs (N, P, FEATURES)."""
         (wanted,) = self.context.kernel_size
-        if features.shape[1] != wanted:
+        if features.shape[1] not in (1, wanted):
             raise InputError(
-                f"network: targets of {features.shape[1]} images; give {wanted} to this one"
+                f"network: targets of {features.shape[1]} images; give {wanted} to this one, or 1"
             )
+        features = features.expand(-1, wanted, -1)  # an image alone stands for all of its context
         # The convolution sees all images at once, so it is one product, which is faster as such.
         weight = self.context.weight.transpose(1, 2).flatten(1)
         x = functional.linear(features.flatten(1), weight, self.context.bias).relu()  # (N, 128)

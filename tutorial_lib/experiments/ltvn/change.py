@@ -24,6 +24,8 @@ from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.experiments.ltvn.lifelong import (
     FROZEN,
     MENDING,
+    MENDING_MENG,
+    MENG,
     NETWORK,
     mending_meng,
     prepared_agent,
@@ -57,7 +59,7 @@ LEAST = 4
 """Pairs of places whose path leads through a door, at least."""
 DETOUR = 3.0
 """Times as long as the path through the door that the one around it is, at most."""
-AGENTS = (MENDING, FROZEN, "meng_mending", "meng")
+AGENTS = (MENDING, FROZEN, MENDING_MENG, MENG)
 
 
 @dataclass(frozen=True)
@@ -160,7 +162,7 @@ def learned(building: Building, name: str) -> LTVNAgent | MengAgent:
     """An agent that has learned a building."""
     if name in (MENDING, FROZEN):
         return prepared_agent(building, name, NETWORK)
-    if name == "meng_mending":
+    if name == MENDING_MENG:
         return mending_meng(building)
     agent = agents.meng()
     agent.learn(list(experiences(building)))
@@ -252,7 +254,7 @@ QUICK = Settings(queries=20)
 EXPERIMENT = Experiment(
     "ltvn_change",
     run,
-    tuple(range(20_002, 20_014, 3)),
+    tuple(range(20_002, 20_026, 3)),
     tuple(range(20_002, 20_008, 3)),
     settings=Settings(),
     quick_settings=QUICK,

@@ -52,6 +52,7 @@ NETWORK, ORACLE = PERCEPTIONS = ("network", "oracle")
 WORLDS = tuple(range(20_000, 20_008))
 """Three of them are loop corridors, where places look alike."""
 MENDING, FROZEN = "ltvn", "frozen"
+MENDING_MENG, MENG = "meng_mending", "meng"
 VARIANTS: dict[str, dict[str, Any]] = {
     MENDING: {},
     FROZEN: {"maintenance": None},
@@ -81,10 +82,13 @@ class Settings:
 
     agents: tuple[tuple[str, str], ...] = (
         *((MENDING, NETWORK), (FROZEN, NETWORK), (MENDING, ORACLE), (FROZEN, ORACLE)),
-        *(("ving", NETWORK), ("sptm", NETWORK), ("meng", NETWORK), ("oracle", ORACLE)),
+        *(("ving", NETWORK), ("sptm", NETWORK), (MENG, NETWORK), (MENDING_MENG, NETWORK)),
+        ("oracle", ORACLE),
     )
-    lasting: tuple[tuple[str, str], ...] = ((MENDING, NETWORK), (FROZEN, NETWORK))
-    queries: int = 200
+    lasting: tuple[tuple[str, str], ...] = tuple(
+        (name, NETWORK) for name in (MENDING, FROZEN, MENG, MENDING_MENG)
+    )
+    queries: int = 500
     brief: int = 50
     block: int = 50
     fleet: int = 25
@@ -145,7 +149,7 @@ def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
         agent = agents.ving()
         agent.learn(deep_experiences(building))
         return mended(building, trials, agent, settings)
-    if name == "meng_mending":
+    if name == MENDING_MENG:
         return _meng_mending(building, trials, settings)
     if name == "oracle":
         goals = trials.goal_poses
@@ -243,28 +247,36 @@ def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: 
 
 
 def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[str]:
-    """Paired differences of LTVN's agent from the others, early and late."""
+    """Paired differences: of LTVN's agent from the others, and of Meng's mended map from Meng's."""
     notes = []
     half = min(settings.brief, settings.queries // 2)
+    pairs = [((MENDING, other[1]), other) for other in settings.agents if other[0] != MENDING]
+    pairs.append(((MENDING_MENG, NETWORK), (MENG, NETWORK)))
     for family, worlds in families(options.worlds).items():
-        for name, perception in settings.agents:
-            if name == MENDING or (MENDING, perception) not in settings.agents:
+        for one, other in pairs:
+            if not {one, other} <= set(settings.agents):
                 continue
-            parts = [("first", slice(half)), ("last", slice(-half, None))]
-            for words, some in parts[: 1 + ((name, perception) in settings.lasting)]:
-                mine = [by[world, MENDING, perception].success[some] for world in worlds]
-                theirs = [by[world, name, perception].success[some] for world in worlds]
-                units = np.repeat(worlds, [len(one) for one in mine])
+            parts = {f"first {half}": slice(half)}
+            if {one, other} <= set(settings.lasting):
+                parts |= {
+                    f"last {half}": slice(-half, None),
+                    f"all {settings.queries}": slice(None),
+                }
+            for words, some in parts.items():
+                mine, theirs = (
+                    [by[(world, *agent)].success[some] for world in worlds]
+                    for agent in (one, other)
+                )
+                units = np.repeat(worlds, [len(part) for part in mine])
                 gap = difference(np.concatenate(mine), np.concatenate(theirs), units)
                 notes.append(
-                    f"{family}, {words} {half} queries, {perception}: {MENDING} - {name} "
-                    f"{in_points(gap)}"
+                    f"{family}, {words} queries, {other[1]}: {one[0]} - {other[0]} {in_points(gap)}"
                 )
     return notes
 
 
 QUICK = Settings(
-    agents=(*((name, p) for p in PERCEPTIONS for name in (MENDING, FROZEN)), ("meng", NETWORK)),
+    agents=(*((name, p) for p in PERCEPTIONS for name in (MENDING, FROZEN)), (MENG, NETWORK)),
     queries=100,
     brief=40,
     block=20,

@@ -51,13 +51,15 @@ class Settings:
         shares: of the edges that are taken out, and added elsewhere.
         perceptions: see `ltvn_lifelong`.
         queries: in each building.
+        brief: those of them that maps without updates get: they stay as they are.
         block: queries of one row.
         fleet: robots that set off together.
     """
 
-    shares: tuple[float, ...] = (0.2,)
+    shares: tuple[float, ...] = (0.1, 0.2, 0.4)
     perceptions: tuple[str, ...] = (NETWORK,)
-    queries: int = 200
+    queries: int = 300
+    brief: int = 100
     block: int = 50
     fleet: int = 25
 
@@ -122,6 +124,8 @@ def spoilt(item: tuple[int, float, str, str], seed: int, settings: Settings) -> 
     whole = make_building(world, seed)
     building = part_of(whole, TOUR, seed)
     trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
+    if UPDATES[updates] == FROZEN:
+        trials = trials.subset(np.arange(min(settings.brief, len(trials))))
     agent = prepared_agent(building, UPDATES[updates], perception)
     rng = np.random.default_rng([seed, world, 7])
     injected = spoil(building, agent, share, rng)
@@ -166,7 +170,7 @@ def spoil(
 EXPERIMENT = Experiment(
     "ltvn_spurious",
     run,
-    WORLDS[:4],
+    WORLDS,
     WORLDS[:2],
     settings=Settings(),
     quick_settings=Settings(
