@@ -34,7 +34,8 @@ COMMANDS = {
     "train": "train a network from scratch, data included",
     "experiment": "reproduce a table or figure; experiment --help lists them",
     "bench": "measure the speed of a part; bench --help lists them",
-    "results": "write the page of results from its JSON files",
+    "results": "write the page of results from its JSON files; --stale: which no longer fit",
+    "reproduce": "measure stored results again, those that no longer fit or all",
 }
 """What each command does; all but "lab" are modules of `tutorial_lib.commands`."""
 _COORDINATES = re.compile(r"-[\d.][^,]*(,[^,]*)+")

@@ -56,8 +56,9 @@ INSIDE = {
         "common": set(),
         "protocols": {"common"},
         **{study: {"common", "protocols"} for study in STUDIES},
-        "results_page": {"common", "protocols", *STUDIES},
         "registry": {"common", "protocols", *STUDIES},
+        "provenance": {"common", "registry"},
+        "results_page": {"common", "protocols", "provenance", *STUDIES},
     },
     "checks": {
         "framework": set(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 from tutorial_lib.agents.remedies import REMEDIES
@@ -22,6 +22,7 @@ from tutorial_lib.experiments.common.report import (
 from tutorial_lib.experiments.protocols.drives import parse_drives
 from tutorial_lib.experiments.protocols.navigation import GOAL_IMAGES
 from tutorial_lib.experiments.protocols.trial_choices import GOALS, STARTS
+from tutorial_lib.experiments.provenance import made_from
 from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.world.generators import FAMILIES
@@ -74,13 +75,20 @@ def run(options: argparse.Namespace) -> int:
     """Run an experiment or a benchmark."""
     if options.json is not None:
         check_writable(options.json)
-    names = {field.name for field in fields(Options)}
-    given = {name: value for name, value in vars(options).items() if name in names}
-    report = options.table[options.name].report(Options(**given))
+    asked = options_of(options)
+    report = options.table[options.name].report(asked)
     print(report.as_text())
     if options.json is not None:
+        if options.table is EXPERIMENTS and not (asked.quick or asked.agent):
+            report = replace(report, made_from=made_from(options.name, asked))
         write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")
     return WRONG_INPUT if report.failed else 0
+
+
+def options_of(given: argparse.Namespace) -> Options:
+    """What the command line says about a run."""
+    names = {field.name for field in fields(Options)}
+    return Options(**{name: value for name, value in vars(given).items() if name in names})
 
 
 def _accepted(table: dict[str, Experiment]) -> str:

@@ -1,21 +1,84 @@
-"""Writes the page of results from its JSON files."""
+"""Writes the page of results from its JSON files, or says which of them no longer fit."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import os
+from concurrent.futures import ThreadPoolExecutor
 
+from tutorial_lib.commands import experiment
+from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.course import course_folder
+from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.results import FOLDER
+from tutorial_lib.experiments.provenance import CHANGED, FITS, checked, standing_of
 from tutorial_lib.experiments.results_page.page import PAGE, write_results
+from tutorial_lib.experiments.results_page.sources import EXPERIMENTS, command_of, load_results
+from tutorial_lib.files import write_text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """There are no options."""
+    """Declare the option."""
+    parser.add_argument(
+        "--stale",
+        action="store_true",
+        help="list the results whose networks or code have changed, and tell by a few episodes of "
+        "each whether its numbers have",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page and what the README quotes."""
-    del options
+    """Write the page and what the README quotes, or check the results."""
+    if options.stale:
+        return check_results()
     folder = course_folder()
     for path in write_results(folder / "README.md", folder / PAGE):
         print(f"wrote {path.relative_to(folder)}")
     return 0
+
+
+def check_results() -> int:
+    """Say what no longer fits, and what to do about it."""
+    again = unfit()
+    for name in again:
+        print(f"measure again: {command_of(name)}")
+    return WRONG_INPUT if again else 0
+
+
+def unfit() -> list[str]:
+    """Names of the results that must be measured again.
+
+    Of those whose code has changed, the canary tells whether the numbers have; where they have not,
+    the result gets the fingerprints of today's code.
+    """
+    reports = load_results().reports
+    standings = {name: standing_of(reports[name]) for name in EXPERIMENTS}
+    off = {name: standing for name, standing in standings.items() if standing.kind != FITS}
+    print(f"{len(EXPERIMENTS) - len(off)} of {len(EXPERIMENTS)} results fit networks and code")
+    for name, standing in off.items():
+        print(f"{name}: {standing.words}", flush=True)
+    changed = [name for name, standing in off.items() if standing.kind == CHANGED]
+    again = [name for name in off if name not in changed]
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        found = threads.map(lambda name: checked(reports[name], *asked(name)), changed)
+        for name, (report, words) in zip(changed, found, strict=True):
+            print(f"{name}: {words or 'code changed, numbers did not'}", flush=True)
+            if words:
+                again.append(name)
+            else:
+                store(report, name)
+    return again
+
+
+def asked(name: str) -> tuple[str, Options]:
+    """The command and the options of a stored result."""
+    parser = argparse.ArgumentParser()
+    experiment.add_arguments(parser)
+    given = parser.parse_args(EXPERIMENTS[name].split()[1:])
+    return given.name, experiment.options_of(given)
+
+
+def store(report: Report, name: str) -> None:
+    """Write a result where it is kept."""
+    write_text(FOLDER / f"{name}.json", json.dumps(report.as_dict(), indent=1) + "\n")

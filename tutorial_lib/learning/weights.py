@@ -39,6 +39,8 @@ KINDS: dict[str, tuple[type, type[nn.Module]]] = {
 }
 """Architecture and network by the kind that a card's architecture names; "local" if it has none."""
 Network = TypeVar("Network", bound=nn.Module)
+LOADED: dict[str, str] = {}
+"""Networks of the library that this process has used: fingerprints of their cards, by name."""
 _FLOATS = ("F16", "F32", "F64")
 """What tensors may consist of, in the words of safetensors."""
 _LARGE = 1e12  # no number on a card is
@@ -126,9 +128,18 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
             text = without_checksum(text)
         _check_card(text, name)
         kind = KINDS[text["architecture"].get("kind", "local")][0]
-        return Card(**(text | {"architecture": kind(**text["architecture"])}))
+        card = Card(**(text | {"architecture": kind(**text["architecture"])}))
     except (InputError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a card of weights ({error}); {again}") from error
+    if folder == FOLDER:
+        LOADED[name] = fingerprint_of(card)
+    return card
+
+
+def fingerprint_of(card: Card) -> str:
+    """Of what a card's network predicts: its weights and its calibration."""
+    said = card.sha256 + json.dumps(card.calibration, sort_keys=True)
+    return hashlib.sha256(said.encode()).hexdigest()[:12]
 
 
 def _check_card(text: Any, name: str) -> None:  # noqa: ANN401 - anything JSON can hold

@@ -51,6 +51,8 @@ class Experiment:
         quick_worlds: the same for a quick run; `worlds` unless given.
         settings: a dataclass of the experiment's own.
         quick_settings: the same for a quick run; `settings` unless given.
+        canary: the same for a few episodes in one world, at most 20 s: their rows tell whether a
+            changed library still gives the same numbers. None where nothing short does.
         accepts: which of `OPTIONAL` it takes.
         ablations: other experiments that run in its place, by name.
     """
@@ -61,6 +63,7 @@ class Experiment:
     quick_worlds: tuple[int, ...] = ()
     settings: Any = None
     quick_settings: Any = None
+    canary: Any = None
     accepts: frozenset[str] = frozenset()
     ablations: Mapping[str, Experiment] = field(default_factory=dict)
 
@@ -71,10 +74,7 @@ class Experiment:
             InputError: for an option that it cannot use, before anything is run.
         """
         if options.ablation:
-            if options.ablation not in self.ablations:
-                known = f"has {', '.join(self.ablations)}" if self.ablations else "has none"
-                raise InputError(f"--ablation {options.ablation}: {self.name} {known}")
-            return self.ablations[options.ablation].report(replace(options, ablation=""))
+            return self.named(options.ablation).report(replace(options, ablation=""))
         self._check(options)
         begun = time.perf_counter()
         worlds, settings = options.worlds or self.worlds, self.settings
@@ -97,6 +97,22 @@ class Experiment:
         return Report(
             self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
         )
+
+    def named(self, ablation: str) -> Experiment:
+        """One of its ablations; itself where none is named."""
+        if ablation and ablation not in self.ablations:
+            known = f"has {', '.join(self.ablations)}" if self.ablations else "has none"
+            raise InputError(f"--ablation {ablation}: {self.name} {known}")
+        return self.ablations[ablation] if ablation else self
+
+    def canary_rows(self, options: Options) -> Rows:
+        """The rows of a few episodes in one generated world; none where it has no canary."""
+        chosen = self.named(options.ablation)
+        if chosen.canary is None:
+            return []
+        worlds = (options.worlds or chosen.worlds)[:1]
+        few = replace(options, ablation="", quick=True, worlds=worlds, map=None, region=None)
+        return chosen.run(few, chosen.canary)[0]
 
     def _folder(self, options: Options, settings: Any) -> Path:  # noqa: ANN401 - a dataclass
         """Where pieces of a run are kept until it is done: by all that its rows depend on."""

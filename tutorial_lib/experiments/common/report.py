@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +83,7 @@ class Report:
         rows: of the table.
         notes: to be read below the table.
         map: name of the map's file, if it ran on one.
+        made_from: fingerprints of the networks and the code, and the canary, see `provenance`.
     """
 
     name: str
@@ -92,6 +94,7 @@ class Report:
     rows: Rows
     notes: tuple[str, ...] = ()
     map: str = ""
+    made_from: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def failed(self) -> bool:
@@ -100,8 +103,7 @@ class Report:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, in which a number that is not finite becomes None."""
-        rows = [{key: _finite(value) for key, value in row.items()} for row in self.rows]
-        return asdict(self) | {"rows": rows}
+        return asdict(self) | {"rows": finite(self.rows)}
 
     def as_text(self) -> str:
         """A table to read; lists are only in the JSON."""
@@ -122,6 +124,11 @@ def parse_worlds(text: str) -> tuple[int, ...]:
     if not 0 <= first < last:
         raise argparse.ArgumentTypeError(f"{text!r}: give A:B with 0 <= A < B, as in 20000:20020")
     return tuple(range(first, last))
+
+
+def finite(rows: Rows) -> Rows:
+    """Rows for JSON: a number that is not finite becomes None."""
+    return [{key: _finite(value) for key, value in row.items()} for row in rows]
 
 
 def _finite(value: Any) -> Any:  # noqa: ANN401 - any value of a row

@@ -44,6 +44,7 @@ def _check(text: Any) -> None:  # noqa: ANN401 - anything JSON can hold
         "rows": _is_list(text["rows"], dict) and len(text["rows"]) > 0,
         "notes": _is_list(text["notes"], str),
         "map": isinstance(text.get("map", ""), str),
+        "made_from": isinstance(text.get("made_from", {}), dict),
     }
     wrong = ", ".join(key for key, good in fits.items() if not good)
     if wrong:

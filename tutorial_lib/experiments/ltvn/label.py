@@ -123,4 +123,5 @@ EXPERIMENT = Experiment(
     tuple(range(20_000, 20_004)),
     settings=Settings(),
     quick_settings=Settings(targets=60),
+    canary=Settings(targets=12),
 )

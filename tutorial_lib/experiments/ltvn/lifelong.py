@@ -289,6 +289,14 @@ EXPERIMENT = Experiment(
     WORLDS[:2],
     settings=Settings(),
     quick_settings=QUICK,
+    canary=Settings(
+        agents=((MENDING, NETWORK), (MENDING_MENG, NETWORK)),
+        lasting=(),
+        queries=4,
+        brief=4,
+        block=2,
+        fleet=2,
+    ),
     ablations={
         "parts": Experiment(
             "ltvn_lifelong_parts",

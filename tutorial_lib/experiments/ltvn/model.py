@@ -210,5 +210,6 @@ EXPERIMENT = Experiment(
     tuple(range(20_000, 20_004)),
     settings=Settings(),
     quick_settings=Settings(gates=("mined", "all"), validation=VALIDATION[:4]),
+    canary=Settings(gates=("mined",), validation=VALIDATION[:1]),
     accepts=frozenset({"palette"}),
 )

@@ -57,6 +57,7 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     QUICK,
+    canary=Settings(sizes=Sizes(targets=16, far=40, anchors=20, edges=4, consecutive=4)),
     accepts=frozenset({"family"}),
     ablations={"audit": calibration_audit.EXPERIMENT, "mirror": calibration_mirror.EXPERIMENT},
 )

@@ -77,5 +77,10 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     Settings(names=("k2",), sizes=Sizes(targets=80, far=300, anchors=60, edges=5, consecutive=10)),
+    canary=Settings(
+        names=("k2",),
+        sizes=Sizes(targets=16, far=40, anchors=20, edges=2, consecutive=4),
+        calibrating=tuple(CALIBRATING)[:1],
+    ),
     accepts=frozenset({"family"}),
 )

@@ -95,5 +95,10 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 
 EXPERIMENT = Experiment(
-    "meng_fig11", run, WORLDS[:1], settings=Settings(), accepts=frozenset({"odometry"})
+    "meng_fig11",
+    run,
+    WORLDS[:1],
+    settings=Settings(),
+    canary=Settings(places=5, trials=4),
+    accepts=frozenset({"odometry"}),
 )

@@ -176,6 +176,7 @@ EXPERIMENT = Experiment(
     OFFICES[:3],
     Settings(),
     quick_settings=Settings(trials=20, remedies=("none", "all")),
+    canary=Settings(trials=2, remedies=("none", "all")),
     accepts=frozenset({"odometry", "remedies"}),
     ablations={"localization": fig12_localization.EXPERIMENT},
 )

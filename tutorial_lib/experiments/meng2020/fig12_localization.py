@@ -245,5 +245,6 @@ EXPERIMENT = Experiment(
     tuple(range(20_000, 20_003)),
     Settings(),
     quick_settings=Settings(robots=10),
+    canary=Settings(robots=2),
     accepts=frozenset({"odometry"}),
 )

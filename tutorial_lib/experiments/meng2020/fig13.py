@@ -85,6 +85,7 @@ EXPERIMENT = Experiment(
     WORLDS[:2],
     Settings(),
     quick_settings=Settings(frames=20_000),
+    canary=Settings(places=5, frames=4_000, interval=2_000),
     accepts=frozenset({"odometry"}),
     ablations={"reuse": fig13_reuse.EXPERIMENT},
 )

@@ -109,5 +109,6 @@ EXPERIMENT = Experiment(
     WORLDS,
     settings=Settings(),
     quick_settings=Settings(frames=10_000, trials=20),
+    canary=Settings(places=5, frames=3_000, trials=4),
     accepts=frozenset({"odometry"}),
 )

@@ -93,4 +93,6 @@ def _rank_correlation(first: Array, second: Array) -> float:
     return float(spearmanr(first, second).statistic)
 
 
-EXPERIMENT = Experiment("meng_fig5", run, WORLDS, WORLDS[:5], Settings())
+EXPERIMENT = Experiment(
+    "meng_fig5", run, WORLDS, WORLDS[:5], Settings(), canary=Settings(trajectories=1)
+)

@@ -76,4 +76,4 @@ def choose_trajectory(
     return min(moved, key=lambda part: abs(part.arc_length[-1] - length))
 
 
-EXPERIMENT = Experiment("meng_fig6", run, WORLDS[:1], settings=Settings())
+EXPERIMENT = Experiment("meng_fig6", run, WORLDS[:1], settings=Settings(), canary=Settings())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -188,5 +188,6 @@ EXPERIMENT = Experiment(
     WORLDS[:4],
     Settings(),
     QUICK,
+    canary=replace(QUICK, contexts=("k2",), trajectories=2),
     accepts=frozenset({"family", "odometry"}),
 )

@@ -49,5 +49,10 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, Any
 
 
 EXPERIMENT = Experiment(
-    "meng_fig8", run, WORLDS[:3], settings=Settings(), accepts=frozenset({"odometry"})
+    "meng_fig8",
+    run,
+    WORLDS[:3],
+    settings=Settings(),
+    canary=Settings(places=5),
+    accepts=frozenset({"odometry"}),
 )

@@ -153,6 +153,7 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
+    canary=Settings(episodes=3, map_episodes=3),
     accepts=frozenset({"map", "family", "agent"}),
     ablations={**table1_ablations.EXPERIMENTS, "smoothing": table1_smoothing.EXPERIMENT},
 )

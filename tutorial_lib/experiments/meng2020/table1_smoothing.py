@@ -90,5 +90,6 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
+    canary=Settings(episodes=2, map_episodes=2),
     accepts=frozenset({"map", "family"}),
 )

@@ -255,6 +255,7 @@ EXPERIMENT = Experiment(
     WORLDS[:3],
     Settings(),
     quick_settings=Settings(places=6, trials=40, trials_of_part=20),
+    canary=Settings(places=5, trials=6, trials_of_part=6),
     accepts=frozenset(OPTIONAL) - {"body"},
     ablations={
         "thresholds": table2_thresholds.EXPERIMENT,

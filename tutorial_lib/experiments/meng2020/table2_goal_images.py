@@ -125,5 +125,6 @@ EXPERIMENT = Experiment(
     WORLDS[:2],
     settings=Settings(),
     quick_settings=Settings(trials=10, p_goal=(0.5, 0.9, 0.985)),
+    canary=Settings(places=5, trials=4, p_goal=(0.5, 0.95)),
     accepts=frozenset({"odometry", "drives"}),
 )

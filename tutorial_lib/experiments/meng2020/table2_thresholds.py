@@ -147,5 +147,6 @@ EXPERIMENT = Experiment(
     WORLDS,
     settings=Settings(),
     quick_settings=Settings(trials=10),
+    canary=Settings(places=5, trials=4, re=(0.99,), similarity=(0.97,)),
     accepts=frozenset({"odometry", "drives"}),
 )

@@ -125,6 +125,7 @@ _OPTIONS = Experiment(
     VALIDATION[:3],
     Settings(8, agents=OPTIONS),
     quick_settings=Settings(4, agents=OPTIONS),
+    canary=Settings(2, 2, OPTIONS),
     accepts=frozenset({"palette"}),
 )
 _EXACT = Experiment(
@@ -143,6 +144,7 @@ EXPERIMENT = Experiment(
     WORLDS[:6],
     Settings(),
     quick_settings=Settings(6),
+    canary=Settings(2, 2),
     accepts=frozenset({"palette"}),
     ablations={"geometry": _GEOMETRY, "options": _OPTIONS, "exact": _EXACT},
 )

@@ -203,5 +203,10 @@ def _explored(place: Place, task: ExplorationTask, agent: str) -> list[dict[str,
 
 _GEOMETRY = Experiment("nts_figs_geometry", run, WORLDS[:2], settings=Settings(geometry=True))
 EXPERIMENT = Experiment(
-    "nts_figs", run, WORLDS[:2], settings=Settings(), ablations={"geometry": _GEOMETRY}
+    "nts_figs",
+    run,
+    WORLDS[:2],
+    settings=Settings(),
+    canary=Settings(panoramas=1, places=6),
+    ablations={"geometry": _GEOMETRY},
 )

@@ -179,4 +179,5 @@ EXPERIMENT = Experiment(
     tuple(range(20_000, 20_010)),
     settings=Settings(),
     quick_settings=Settings(sensors=("rgbd",)),
+    canary=Settings(places=12, goals=4),
 )

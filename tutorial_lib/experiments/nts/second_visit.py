@@ -163,6 +163,7 @@ EXPERIMENT = Experiment(
     WORLDS[:6],
     Settings(),
     quick_settings=Settings(8, 6),
+    canary=Settings(3, 2),
     accepts=frozenset({"palette"}),
     ablations={"geometry": _GEOMETRY},
 )

@@ -151,6 +151,7 @@ _OPTIONS = Experiment(
     VALIDATION[:4],
     Settings(rgbd=(*OPTIONS, *AS_IN_PAPER), rgb=()),
     quick_settings=Settings(9, (*OPTIONS, *AS_IN_PAPER), ()),
+    canary=Settings(3, (*OPTIONS, *AS_IN_PAPER), ()),
     accepts=frozenset({"palette"}),
 )
 _QUICK = ("nts", "fbe", "ans_like", "random", "oracle")
@@ -170,6 +171,7 @@ EXPERIMENT = Experiment(
     WORLDS[:6],
     Settings(),
     quick_settings=Settings(9, _QUICK, ()),
+    canary=Settings(3),
     accepts=frozenset({"palette", "agent", "body"}),
     ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
 )

@@ -135,6 +135,7 @@ EXPERIMENT = Experiment(
     WORLDS[:6],
     Settings(),
     quick_settings=Settings(9, ("nts", "fbe")),
+    canary=Settings(3),
     accepts=frozenset({"palette"}),
     ablations={"geometry": _GEOMETRY},
 )

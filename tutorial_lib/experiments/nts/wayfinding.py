@@ -124,4 +124,5 @@ EXPERIMENT = Experiment(
     tuple(range(20_000, 20_006)),
     settings=Settings(),
     quick_settings=Settings(fitted=16),
+    canary=Settings(fitted=2),
 )

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.provenance import CHANGED, NETWORK, standing_of
 from tutorial_lib.experiments.results_page.sources import Results, command_of, remedy
 
 LONG = 120
@@ -46,10 +48,16 @@ class Section:
     def _commands(self, results: Results) -> list[str]:
         """One block of the commands; none without a command."""
         lines = [
-            f"{command_of(name)}   # {duration(results.reports[name].seconds)}"
-            for name in self.sources
+            f"{command_of(name)}   # {duration(report.seconds)}{mark_of(report)}"
+            for name, report in ((name, results.reports[name]) for name in self.sources)
         ]
         return ["\n".join(["```sh", *lines, "```"])] if lines else []
+
+
+def mark_of(report: Report) -> str:
+    """What the page says of a result that no longer fits the library."""
+    standing = standing_of(report)
+    return f"; STALE: {standing.words}" if standing.kind in (NETWORK, CHANGED) else ""
 
 
 def duration(seconds: float) -> str:

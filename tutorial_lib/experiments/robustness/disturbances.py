@@ -156,6 +156,7 @@ _PATIENCE = Experiment(
     (10_100, 10_101),
     Settings(others=PATIENCE),
     quick_settings=Settings(trajectories=4, others=PATIENCE),
+    canary=Settings(trajectories=1, others=PATIENCE[:2]),
     accepts=frozenset({"odometry"}),
 )
 EXPERIMENT = Experiment(
@@ -165,6 +166,7 @@ EXPERIMENT = Experiment(
     WORLDS[:4],
     Settings(),
     quick_settings=Settings(trajectories=4),
+    canary=Settings(trajectories=1),
     accepts=frozenset({"odometry"}),
     ablations={"patience": _PATIENCE},
 )

@@ -227,5 +227,6 @@ EXPERIMENT = Experiment(
     WORLDS[:3],
     Settings(),
     quick_settings=Settings(trials=20),
+    canary=Settings(places=5, trials=4),
     accepts=frozenset({"odometry"}),
 )

@@ -156,5 +156,6 @@ EXPERIMENT = Experiment(
     WORLDS[:20],
     Settings(),
     quick_settings=Settings(driven=5),
+    canary=Settings(goals=3, driven=2),
     accepts=frozenset({"map", "family"}),
 )

@@ -1,0 +1,174 @@
+"""What no longer fits is found, and the canary tells whether the numbers have changed."""
+
+from dataclasses import replace
+
+import pytest
+
+from tutorial_lib.commands import reproduce, results
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments import provenance
+from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.provenance import (
+    CANARY,
+    CHANGED,
+    CODE,
+    FITS,
+    MODULE,
+    NETWORK,
+    NETWORKS,
+    UNKNOWN,
+    changed_rows,
+    made_from,
+    standing_of,
+)
+from tutorial_lib.experiments.results_page.section import mark_of
+from tutorial_lib.experiments.results_page.sources import COMMANDS, EXPERIMENTS, load_results
+
+ROWS = [{"method": "meng", "success": 0.5}, {"method": "sptm", "success": None}]
+MODULE_NAME = "tutorial_lib.experiments.meng2020.fig6"
+WITHOUT_CANARY = {"ablation_encoder", "ablation_worlds", "ablation_rows", "ltvn_change"}
+"""They train networks, or look for a minute for a door that closes."""
+
+
+@pytest.fixture
+def report():
+    """A result of today's code and networks."""
+    card = provenance.load_card("waypoint_k2")
+    origin = {
+        MODULE: MODULE_NAME,
+        NETWORKS: {"waypoint_k2": provenance.fingerprint_of(card)},
+        CODE: provenance.code_of(MODULE_NAME),
+        CANARY: ROWS,
+    }
+    return Report("meng_fig6", 0, (20_000,), False, 36.0, ROWS, made_from=origin)
+
+
+def with_origin(report, **changed):
+    """A result that was made from something else."""
+    return replace(report, made_from=report.made_from | changed)
+
+
+def test_a_result_of_today_fits(report):
+    assert standing_of(report).kind == FITS
+    assert mark_of(report) == ""
+
+
+def test_a_network_that_was_trained_anew_is_named_first(report):
+    older = with_origin(report, networks={"waypoint_k2": "another"}, code={})
+    assert standing_of(older) == provenance.Standing(NETWORK, "waypoint_k2 trained anew")
+    assert mark_of(older) == "; STALE: waypoint_k2 trained anew"
+
+
+def test_a_network_that_is_gone_is_one_that_changed(report):
+    assert standing_of(with_origin(report, networks={"waypoint_k77": "it"})).kind == NETWORK
+
+
+def test_changed_code_is_named_by_its_parts_also_what_is_new_or_gone(report):
+    code = dict(report.made_from[CODE])
+    del code["world"]
+    older = with_origin(report, code=code | {"driving": "another", "removed": "part"})
+    assert standing_of(older).kind == CHANGED
+    assert mark_of(older) == "; STALE: code changed in driving, removed, world"
+
+
+def test_a_result_that_does_not_say_is_unknown(report):
+    assert standing_of(replace(report, made_from={})).kind == UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (ROWS, ""),
+        (ROWS[:1], "1 rows, not 2"),
+        ([ROWS[0] | {"success": 0.75}, ROWS[1]], "row 0: success 0.5 is 0.75"),
+        ([ROWS[0], ROWS[1] | {"success": 0.0}], "row 1: success None is 0.0"),
+        ([ROWS[0] | {"late": 0.0}, ROWS[1]], "row 0: late None is 0.0"),
+    ],
+)
+def test_what_differs_first_between_two_canaries(rows, words):
+    assert changed_rows(ROWS, rows) == words
+
+
+@pytest.fixture
+def one_result(report, monkeypatch):
+    """A course with one stored result, whose canary is known; what is written."""
+    written = {}
+    older = with_origin(report, code=report.made_from[CODE] | {"driving": "another"})
+    stored = type(load_results())({"meng_fig6": older})
+    monkeypatch.setattr(results, "EXPERIMENTS", {"meng_fig6": "experiment meng_fig6"})
+    monkeypatch.setattr(results, "load_results", lambda: stored)
+    monkeypatch.setattr(results, "store", lambda report, name: written.update({name: report}))
+    return written
+
+
+def test_changed_code_with_the_same_canary_is_noted_in_the_result(
+    report, one_result, monkeypatch, capsys
+):
+    monkeypatch.setattr(provenance, "made_from", lambda *_: report.made_from)
+    assert results.check_results() == 0
+    assert one_result == {"meng_fig6": report}
+    assert "meng_fig6: code changed, numbers did not" in capsys.readouterr().out
+
+
+def test_a_changed_canary_asks_for_a_new_measurement(report, one_result, monkeypatch, capsys):
+    now = report.made_from | {CANARY: [ROWS[0] | {"success": 0.75}, ROWS[1]]}
+    monkeypatch.setattr(provenance, "made_from", lambda *_: now)
+    assert results.check_results() != 0
+    said = capsys.readouterr().out
+    assert "meng_fig6: row 0: success 0.5 is 0.75" in said
+    assert "measure again: .venv/bin/python -m tutorial_lib experiment meng_fig6 --json" in said
+    assert not one_result
+
+
+def test_the_canary_counts_the_networks_of_its_own_run():
+    found = made_from("meng_fig6", Options())
+    assert set(found) == {MODULE, NETWORKS, CODE, CANARY}
+    assert found[MODULE] == MODULE_NAME
+    assert "reach_k5" in found[NETWORKS]
+    assert not changed_rows(found[CANARY], load_results().reports["meng_fig6"].made_from[CANARY])
+
+
+def test_every_stored_result_says_what_it_was_made_from():
+    stored = load_results().reports
+    assert {name for name in EXPERIMENTS if not stored[name].made_from} == set()
+    without = {name for name in EXPERIMENTS if not stored[name].made_from[CANARY]}
+    assert without == WITHOUT_CANARY & set(EXPERIMENTS)
+
+
+# The plan of measuring again.
+
+
+def test_the_whole_course_trains_first_and_shows_last():
+    steps = [step.arguments.split()[0] for step in reproduce.planned([], everything=True)]
+    assert sorted(steps, key=["train", "experiment", "bench", "results", "build"].index) == steps
+    assert steps.count("experiment") + steps.count("bench") == len(COMMANDS)
+
+
+def test_networks_come_after_those_that_they_start_from():
+    steps = [step.arguments for step in reproduce.planned([], everything=True)]
+    order = [steps.index(f"train {one}") for one in ("waypoint --k 2", "waypoint --k 5")]
+    order += [steps.index("train relative --k 5")]
+    assert order == sorted(order)
+
+
+def test_a_name_that_is_no_result_s_is_refused():
+    with pytest.raises(InputError, match="meng_fig77: no result; there are plans, "):
+        reproduce.planned(["meng_fig77"], everything=False)
+
+
+def test_a_plan_that_fails_goes_on_where_it_was(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("TUTORIAL_CACHE", str(tmp_path))
+    codes, ran = iter([0, 1, 0, 0]), []
+
+    def call(arguments, **_):
+        ran.append(arguments[3])
+        return next(codes)
+
+    monkeypatch.setattr(reproduce.subprocess, "call", call)
+    options = type("Given", (), {"names": ["meng_fig6"], "all": False, "plan": False})
+    with pytest.raises(InputError, match="results: failed; the same command goes on"):
+        reproduce.run(options)
+    assert reproduce.run(options) == 0
+    assert ran == ["experiment", "results", "results", "build"]
+    assert "3 commands, 0.0 h" in capsys.readouterr().out
+    assert not list(tmp_path.rglob("*.json"))
