@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import partial
 from pathlib import Path
 from pickle import PicklingError
 from typing import Any
@@ -52,19 +51,26 @@ def resumable(folder: Path) -> Iterator[None]:
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def _kept(folder: Path, work: Callable[..., Any], item: object, *arguments: object) -> Any:  # noqa: ANN401
-    """What `work(item, *arguments)` returns, from the folder if it was finished before."""
+def _kept_at(
+    folder: Path, work: Callable[..., Any], item: object, arguments: tuple[object, ...]
+) -> Path | None:
+    """Where the result of `work(item, *arguments)` is kept; nowhere if something has no name."""
     try:
-        path = folder / f"{joblib.hash((work, item, arguments))}.pkl"
-    except PicklingError:  # of what has no name, as a lambda, nothing is kept
-        return work(item, *arguments)
-    if path.exists():
-        return joblib.load(path)
-    found = work(item, *arguments)
-    folder.mkdir(parents=True, exist_ok=True)  # the same run may have ended beside this one
+        return folder / f"{joblib.hash((work, item, arguments))}.pkl"
+    except PicklingError:  # as of a lambda
+        return None
+
+
+def _keep(path: Path, result: object) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)  # the same run may have ended beside this one
     with atomic_path(path) as temporary:
-        joblib.dump(found, temporary)
-    return found
+        joblib.dump(result, temporary)
+
+
+def _numbered(
+    number: int, work: Callable[..., Any], item: object, *arguments: object
+) -> tuple[int, Any]:
+    return number, work(item, *arguments)
 
 
 def for_each(
@@ -77,7 +83,8 @@ def for_each(
     """What `work(item, *arguments)` returns for each item, in their order.
 
     Workers share the cores: where as many processes run as there are cores, numpy and torch use one
-    thread in each. `joblib.parallel_config` moves the work to another backend, such as Dask.
+    thread in each. `joblib.parallel_config` moves the work to another backend, as
+    `experiments.common.cluster` does to Dask's.
 
     A worker whose memory has grown by 300 MB is replaced between two pieces of work, where psutil
     is there to measure it: an experiment in large worlds takes no more memory the longer it runs.
@@ -101,21 +108,29 @@ def for_each(
     if not jobs:
         raise InputError("jobs: 0; give the number of processes, or -1 for as many as cores")
     folder = _folder.get()
-    if folder is not None:
-        work = partial(_kept, folder, work)
-    run_all = Parallel(n_jobs=jobs, return_as="generator")
+    paths = [folder and _kept_at(folder, work, item, arguments) for item in items]
+    found = {i: joblib.load(path) for i, path in enumerate(paths) if path and path.exists()}
+    pieces = [
+        delayed(_numbered)(number, work, item, *arguments)
+        for number, item in enumerate(items)
+        if number not in found
+    ]
+    run_all = Parallel(n_jobs=jobs, return_as="generator_unordered")
     with warnings.catch_warnings():
         # That is intended, and the piece of work that waits is given to the next worker. One that
         # is killed is no warning but an error.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
         try:  # the first pieces start at once, so a worker may be lost before a result is asked for
-            found = run_all(delayed(work)(item, *arguments) for item in items)
-            return list(progress(found, len(items), label))
+            for number, result in progress(run_all(pieces), len(pieces), label):
+                found[number] = result
+                if path := paths[number]:
+                    _keep(path, result)
         except BrokenProcessPool as error:
             raise InputError(
                 f"{label}: a worker process was ended from outside, most likely since memory ran "
                 "out; close other programs, or let fewer work at once: LOKY_MAX_CPU_COUNT=1"
             ) from error
+    return [found[number] for number in range(len(items))]
 
 
 def progress(found: Iterable[Any], total: int, label: str) -> Iterable[Any]:

@@ -165,7 +165,9 @@ def test_a_plan_that_fails_goes_on_where_it_was(monkeypatch, tmp_path, capsys):
         return next(codes)
 
     monkeypatch.setattr(reproduce.subprocess, "call", call)
-    options = type("Given", (), {"names": ["meng_fig6"], "all": False, "plan": False})
+    options = type(
+        "Given", (), {"names": ["meng_fig6"], "all": False, "plan": False, "scheduler": ""}
+    )
     with pytest.raises(InputError, match="results: failed; the same command goes on"):
         reproduce.run(options)
     assert reproduce.run(options) == 0

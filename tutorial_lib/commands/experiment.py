@@ -10,6 +10,7 @@ from pathlib import Path
 from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.commands.map_options import add_map
+from tutorial_lib.experiments.common.cluster import on_cluster
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import (
     BODIES,
@@ -68,7 +69,15 @@ def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) ->
     parser.add_argument("--worlds", type=parse_worlds, default=(), metavar="A:B")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--quick", action="store_true", help="fewer episodes, same code")
+    add_scheduler(parser)
     parser.set_defaults(table=table)
+
+
+def add_scheduler(parser: argparse.ArgumentParser) -> None:
+    """Declare where the work is done."""
+    parser.add_argument(
+        "--scheduler", default="", metavar="tcp://HOST:PORT", help="of Dask, whose workers do it"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -76,7 +85,8 @@ def run(options: argparse.Namespace) -> int:
     if options.json is not None:
         check_writable(options.json)
     asked = options_of(options)
-    report = options.table[options.name].report(asked)
+    with on_cluster(options.scheduler):
+        report = options.table[options.name].report(asked)
     print(report.as_text())
     if options.json is not None:
         if options.table is EXPERIMENTS and not (asked.quick or asked.agent):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tutorial_lib.commands.constants import PROJECT
+from tutorial_lib.commands.experiment import add_scheduler
 from tutorial_lib.commands.results import unfit
 from tutorial_lib.course import cache_folder
 from tutorial_lib.errors import InputError
@@ -44,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--all", action="store_true", help="the whole course, networks included")
     parser.add_argument("--plan", action="store_true", help="only say what would run, and how long")
+    add_scheduler(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -57,9 +59,10 @@ def run(options: argparse.Namespace) -> int:
     done = _Done(steps)
     for step in steps:
         if step.arguments not in done.arguments:
-            code = subprocess.call(
-                [sys.executable, "-m", "tutorial_lib", *step.arguments.split()], cwd=PROJECT
-            )
+            command = [sys.executable, "-m", "tutorial_lib", *step.arguments.split()]
+            if options.scheduler and step.arguments not in LAST:
+                command += ["--scheduler", options.scheduler]
+            code = subprocess.call(command, cwd=PROJECT)
             if code:
                 raise InputError(f"{step.arguments}: failed; the same command goes on from there")
             done.add(step.arguments)

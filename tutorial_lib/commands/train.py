@@ -6,7 +6,9 @@ import argparse
 from typing import Any
 
 from tutorial_lib.commands.constants import PROJECT
+from tutorial_lib.commands.experiment import add_scheduler
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.cluster import on_cluster
 from tutorial_lib.learning import (
     exploration_recipes,
     goal_map_recipes,
@@ -35,6 +37,7 @@ EXPLORATION = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the network's name, with k or the sensor."""
     names = parser.add_subparsers(dest="name", required=True)
+    add_scheduler(parser)
     choices = dict.fromkeys(k for known in NETWORKS.values() for k in known)
     for name in NETWORKS:
         names.add_parser(name).add_argument("--k", choices=tuple(choices), required=True)
@@ -57,7 +60,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Train, and write the weights."""
     recipe, train = _chosen(options)
-    network, card = train(recipe, recipes.WORK)
+    with on_cluster(options.scheduler):
+        network, card = train(recipe, recipes.WORK)
     path = save_network(network, card)
     # Otherwise the next call would resume a finished training.
     for checkpoint in recipe.checkpoints(recipes.WORK):

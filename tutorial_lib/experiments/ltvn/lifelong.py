@@ -82,18 +82,17 @@ class Settings:
 
     agents: tuple[tuple[str, str], ...] = (
         *((MENDING, NETWORK), (FROZEN, NETWORK), (MENDING, ORACLE), (FROZEN, ORACLE)),
-        *(("ving", NETWORK), ("sptm", NETWORK), (MENG, NETWORK), (MENDING_MENG, NETWORK)),
-        ("oracle", ORACLE),
+        *(("ving", NETWORK), ("sptm", NETWORK), (MENG, NETWORK), ("oracle", ORACLE)),
     )
-    lasting: tuple[tuple[str, str], ...] = tuple(
-        (name, NETWORK) for name in (MENDING, FROZEN, MENG, MENDING_MENG)
-    )
-    queries: int = 500
+    lasting: tuple[tuple[str, str], ...] = ((MENDING, NETWORK), (FROZEN, NETWORK))
+    queries: int = 200
     brief: int = 50
     block: int = 50
     fleet: int = 25
 
 
+_LASTING = tuple((name, NETWORK) for name in (MENDING, FROZEN, MENG, MENDING_MENG))
+LONG = Settings(agents=_LASTING, lasting=_LASTING, queries=500)
 _PARTS = tuple((name, NETWORK) for name in VARIANTS)
 ABLATED = Settings(agents=_PARTS, lasting=_PARTS, queries=100)
 
@@ -290,14 +289,17 @@ EXPERIMENT = Experiment(
     settings=Settings(),
     quick_settings=QUICK,
     canary=Settings(
-        agents=((MENDING, NETWORK), (MENDING_MENG, NETWORK)),
-        lasting=(),
-        queries=4,
-        brief=4,
-        block=2,
-        fleet=2,
+        agents=(*_LASTING, ("ving", NETWORK), ("sptm", NETWORK)), queries=2, block=2, fleet=2
     ),
     ablations={
+        "long": Experiment(
+            "ltvn_lifelong_long",
+            run,
+            WORLDS,
+            WORLDS[:2],
+            settings=LONG,
+            quick_settings=replace(LONG, queries=100, block=20, fleet=20),
+        ),
         "parts": Experiment(
             "ltvn_lifelong_parts",
             run,
@@ -305,6 +307,6 @@ EXPERIMENT = Experiment(
             WORLDS[:2],
             settings=ABLATED,
             quick_settings=replace(ABLATED, queries=100, block=20, fleet=20),
-        )
+        ),
     },
 )

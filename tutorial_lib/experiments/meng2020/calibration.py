@@ -8,7 +8,7 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.meng2020 import calibration_audit, calibration_mirror
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
-from tutorial_lib.experiments.protocols.geometry_bound import fitted
+from tutorial_lib.experiments.protocols.geometry_bound import FITTED, fitted
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.protocols.reachability import Sizes, examine
 from tutorial_lib.experiments.protocols.reachability_rows import estimator_row, geometry_row
@@ -22,10 +22,12 @@ class Settings:
     Attributes:
         estimators: their rows; `k2` is among them, since that of geometry is compared with it.
         sizes: of the samples in each world.
+        fitting: seeds of the worlds on which the bound by geometry is fitted.
     """
 
     estimators: tuple[str, ...] = ("k0", "k2", "k5", "laser", "sptm", "image")
     sizes: Sizes = field(default_factory=Sizes)
+    fitting: tuple[int, ...] = FITTED
 
 
 QUICK = Settings(
@@ -38,7 +40,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Query every estimator on the same pairs of each world, and roll them out."""
     names = settings.estimators
     controllers = tuple(dict.fromkeys(name for name in names if name in CONTROLLERS))
-    bounds = {name: fitted(name) for name in controllers}
+    bounds = {name: fitted(name, settings.fitting) for name in controllers}
     given = (names, bounds, settings.sizes, options.seed, options.family)
     found = for_each(examine, options.worlds, *given, label="calibration")
     rows = [estimator_row(name, [world[name] for world in found]) for name in names]
@@ -57,7 +59,9 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     QUICK,
-    canary=Settings(sizes=Sizes(targets=16, far=40, anchors=20, edges=4, consecutive=4)),
+    canary=Settings(
+        fitting=FITTED[:1], sizes=Sizes(targets=16, far=40, anchors=20, edges=4, consecutive=4)
+    ),
     accepts=frozenset({"family"}),
     ablations={"audit": calibration_audit.EXPERIMENT, "mirror": calibration_mirror.EXPERIMENT},
 )

@@ -16,7 +16,7 @@ from tutorial_lib.learning.recipes import WORK, recorded_worlds_of
 from tutorial_lib.se2 import Array, relative
 from tutorial_lib.world.worlds import training_world
 
-WORLDS = tuple(range(300, 320))
+FITTED = tuple(range(300, 320))
 """Training worlds whose outcomes the model is fitted on."""
 _TARGETS, _CARS = 200, 16
 
@@ -32,8 +32,8 @@ def features(recorded: RecordedWorld, pairs: ReachabilityPairs) -> Array:
     return np.column_stack([*columns, pairs.overlap])
 
 
-def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
-    """A gradient-boosted model of a controller's outcomes, fitted on `WORLDS`.
+def fitted(controller: str, seeds: tuple[int, ...] = FITTED) -> Any:  # noqa: ANN401 - scikit-learn's model
+    """A gradient-boosted model of a controller's outcomes, fitted on training worlds.
 
     Raises:
         InputError: where scikit-learn is not installed.
@@ -42,7 +42,7 @@ def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
         from sklearn.ensemble import HistGradientBoostingClassifier
     except ImportError as error:
         raise InputError("geometry: needs scikit-learn; pip install -e '.[test]'") from error
-    worlds, weights = [training_world(seed) for seed in WORLDS], CONTROLLERS[controller]
+    worlds, weights = [training_world(seed) for seed in seeds], CONTROLLERS[controller]
     files = record_outcomes(worlds, weights, _TARGETS, _CARS, WORK)
     known = recipe_of(weights, _TARGETS, _CARS)
     outcomes: list[RolloutOutcomes] = [load_outcomes(file, known) for file in files]
