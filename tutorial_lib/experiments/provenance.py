@@ -77,7 +77,10 @@ def made_from(name: str, options: Options) -> dict[str, Any]:
         options: of its run.
     """
     with ProcessPoolExecutor(1, get_context("spawn")) as process:
-        return process.submit(_made_from_here, name, options).result()
+        found = process.submit(_made_from_here, name, options).result()
+    # Where there is no canary, this process may have run the experiment itself.
+    networks = found[NETWORKS] if found[CANARY] else LOADED
+    return found | {NETWORKS: dict(sorted(networks.items()))}
 
 
 def _made_from_here(name: str, options: Options) -> dict[str, Any]:
@@ -88,7 +91,7 @@ def _made_from_here(name: str, options: Options) -> dict[str, Any]:
     module = getattr(run, "func", run).__module__  # of a partial, too
     return {
         MODULE: module,
-        NETWORKS: dict(sorted(LOADED.items())),
+        NETWORKS: dict(LOADED),
         CODE: code_of(module),
         CANARY: json.loads(json.dumps(rows)),  # as they are read again
     }

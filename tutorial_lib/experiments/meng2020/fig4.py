@@ -100,6 +100,4 @@ def most_in_common(building: Building, beside: float = Settings.beside) -> list[
     return best
 
 
-EXPERIMENT = Experiment(
-    "meng_fig4", run, WORLDS[:1], settings=Settings(), canary=Settings(places=5)
-)
+EXPERIMENT = Experiment("meng_fig4", run, WORLDS[:1], settings=Settings())
