@@ -713,9 +713,6 @@ show(side_by_side(panels, titles))
 # Their geometry is alike: a view along a corridor or through a room, a wall on either side, something at the end. Only the colours distinguish the places, strip by strip, and some of those recur in every room. This is <b>perceptual aliasing</b>; a later part of the course is about it. Context should help, since five images of a target are less likely to be alike than one; the results page
 # shows whether it does.
 # </details>
-# <details><summary>Could the same network give a second opinion?</summary>
-# Yes, in a <b>mirror</b>. Whether the car arrives does not depend on left and right, but in a mirror the network sees other images, and makes other mistakes. So it can look once more at each pair that seems reachable at first, and the mean of both logits counts. It takes up to twice the time, and the library's networks look only once; the results page has the figures with one look and with two (<code>experiment calibration --ablation mirror</code>).
-# </details>
 #
 # An edge of the map between two such places is a **[[wormhole]]**: the planner assumes that the robot can drive from one to the other, and since planners look for short paths, it will use it.
 #

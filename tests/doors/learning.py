@@ -136,7 +136,6 @@ DOORS = {
         encoder=choice("pair"),
         view=choice("camera16"),
         outputs=choice("reachability"),
-        mirror=flag(True),
     ),
     "Calibration": lambda: call(
         calibration.Calibration,

@@ -172,12 +172,6 @@ def test_the_same_seed_builds_the_same_network():
         ({"encoder": "siamese"}, "encoder 'siamese'; give one of matching, pair"),
         ({"view": "camera17"}, "view 'camera17'; give one of camera16, camera64, laser"),
         ({"outputs": "thoughts"}, "outputs 'thoughts'; give one of waypoint, action"),
-        ({"mirror": True}, "only reachability is the same in a mirror"),
-        (
-            {"mirror": True, "outputs": "reachability", "encoder": "stacked"},
-            "a stacked encoder has",
-        ),
-        ({"mirror": 1, "outputs": "reachability"}, "mirror 1; give True or False"),
     ],
 )
 def test_what_cannot_be_built_is_refused(fault, words):

@@ -110,43 +110,6 @@ def test_logits_are_the_network_s_outputs_with_and_without_encoding(recorded, en
     assert estimator.outputs_uncached(seen, contexts)[:, 0] == pytest.approx(logits, **CLOSE)
 
 
-@pytest.mark.parametrize("view", ["camera16", "laser"])
-@pytest.mark.parametrize("encoder", ["matching", "pair", "separate"])
-def test_with_a_mirror_pairs_that_seem_reachable_are_looked_at_twice(
-    recorded, monkeypatch, encoder, view
-):
-    plain = network_of(encoder, view=view)
-    network = LocalNetwork(replace(plain.architecture, mirror=True)).eval()
-    network.load_state_dict(plain.state_dict())
-    estimator, numbers = ReachabilityNetwork(network), ReachabilityNetwork(plain).view.numbers
-    rows, columns = (grid.ravel() for grid in np.indices((6, 6)))
-    seen = observed(recorded, view, FRAMES[rows])
-    contexts = contexts_of(recorded, estimator, SHOWN[columns])
-    with torch.inference_mode():
-        shown = numbers(estimator.view.render(recorded.scene, recorded.poses[FRAMES[rows]]))
-        first = plain(shown, numbers(contexts)).numpy()
-        mirrored = plain(shown.flip(-1), numbers(contexts).flip(-1)).numpy()
-    monkeypatch.setattr(estimators, "SECOND_LOOK", float(np.sort(first[:, 0])[17:19].mean()))
-    seems_reachable = first[:, :1] > estimators.SECOND_LOOK
-    assert 0 < seems_reachable.sum() < len(seems_reachable)
-    wanted = np.where(seems_reachable, (first + mirrored) / 2, first)
-    assert np.abs(wanted - first).max() > 0.01
-    assert estimator.outputs(seen, contexts) == pytest.approx(wanted, **CLOSE)
-    assert estimator.outputs(seen, estimator.prepare(contexts)) == pytest.approx(wanted, **CLOSE)
-    assert estimator.outputs_uncached(seen, contexts) == pytest.approx(wanted, **CLOSE)
-
-
-def test_a_place_is_found_by_what_is_seen_without_the_mirror(recorded, seen):
-    plain = network_of("matching")
-    network = LocalNetwork(replace(plain.architecture, mirror=True)).eval()
-    network.load_state_dict(plain.state_dict())
-    one, both = ReachabilityNetwork(plain), ReachabilityNetwork(network)
-    contexts = contexts_of(recorded, one, SHOWN)
-    assert both.embed(seen) == pytest.approx(one.embed(seen), **CLOSE)
-    found = both.embed_targets(both.prepare(contexts))
-    assert found == pytest.approx(one.embed_targets(one.prepare(contexts)), **CLOSE)
-
-
 def test_probabilities_are_calibrated_logits(recorded, seen):
     estimator = estimator_of(calibration=MEND)
     prepared = estimator.prepare(contexts_of(recorded, estimator, SHOWN))

@@ -107,27 +107,6 @@ MUTATIONS = [
         "learning/test_estimators.py",
     ),
     (
-        "RE looks again at what seems out of reach",
-        "learning/estimators.py",
-        "seems_reachable = outputs[:, 0] > SECOND_LOOK",
-        "seems_reachable = outputs[:, 0] < SECOND_LOOK",
-        "learning/test_reachability.py -k mirror",
-    ),
-    (
-        "only the target is seen in the mirror",
-        "learning/estimators.py",
-        "pairs.append((current.flip(-1), targets.flip(-1)))",
-        "pairs.append((current, targets.flip(-1)))",
-        "learning/test_reachability.py -k mirror",
-    ),
-    (
-        "what is kept for the second look is no mirror image",
-        "learning/estimators.py",
-        "encode(numbers.flip(-1))",
-        "encode(numbers)",
-        "learning/test_reachability.py -k mirror",
-    ),
-    (
         "a target is known by its last picture, not its middle one",
         "learning/estimators.py",
         "sorted({0, count // 2})",

@@ -1,6 +1,5 @@
 """Trained networks behind the interfaces of `tutorial_lib.interfaces`."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,8 +25,7 @@ class EncodedTargets:
     """Targets, encoded as far as that does not depend on the current image.
 
     Attributes:
-        encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`; of a network with a mirror, what
-            it makes of the mirror images follows in the last dimension.
+        encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`.
         network: that encoded them.
     """
 
@@ -51,9 +49,6 @@ class EncodedTargets:
         return replace(parts[0], encoded=torch.cat([part.encoded for part in parts]))
 
 
-SECOND_LOOK = -1.0
-"""Logit of reachability above which a network with a mirror looks at a pair once more; it would
-change little for the others, and these are most of the pairs that a map queries."""
 _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cache
 
 
@@ -93,14 +88,14 @@ class _Estimator:
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
         if self.network.stacked:
-            encoded = self._encoded(self.network.encode_targets, contexts)
+            encoded = self.network.encode_targets(self.view.numbers(contexts))
             return EncodedTargets(encoded, self.network)
         # Neighbours on a trajectory have most images in common: each is encoded once.
         images = contexts.reshape(-1, *contexts.shape[2:])
         number: dict[bytes, int] = {}
         which = [number.setdefault(image.tobytes(), len(number)) for image in images]
         fresh = images[np.unique(which, return_index=True)[1]]
-        encoded = self._encoded(self.network.encode_targets, fresh[:, None])[:, 0]
+        encoded = self.network.encode_targets(self.view.numbers(fresh[:, None]))[:, 0]
         return EncodedTargets(encoded[np.reshape(which, contexts.shape[:2])], self.network)
 
     @torch.inference_mode()
@@ -122,7 +117,7 @@ class _Estimator:
         images = self.view.of(observations)
         repeats = (images[1:] == images[:-1]).all(axis=(1, 2, 3))
         fresh = np.append(True, ~repeats)[: len(images)]
-        encoded = self._encoded(self.network.encode_current, images[fresh])
+        encoded = self.network.encode_current(self.view.numbers(images[fresh]))
         return encoded if fresh.all() else encoded[np.cumsum(fresh) - 1]
 
     @torch.inference_mode()
@@ -134,7 +129,7 @@ class _Estimator:
         if len(targets) != len(current):
             raise InputError(f"targets: {len(targets)} for {len(current)} robots; give as many")
         parts = zip(current.split(_AT_ONCE), targets.encoded.split(_AT_ONCE), strict=True)
-        return _joined([self._compared(*part) for part in parts])
+        return _joined([self.network.compare(*part)[0] for part in parts])
 
     @torch.inference_mode()
     def outputs_uncached(self, observations: Observation, contexts: NDArray) -> Array:
@@ -145,27 +140,7 @@ class _Estimator:
             raise InputError(f"contexts: shape {np.shape(contexts)}; give {wanted} images")
         current, targets = self.view.numbers(current), self.view.numbers(contexts)
         parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
-        return _joined([self._compared_uncached(*part) for part in parts])
-
-    def _encoded(self, encode: Callable[[Tensor], Tensor], images: NDArray) -> Tensor:
-        """What `encode` makes of images (..., H, W, C); that of the mirror images follows it."""
-        numbers = self.view.numbers(images)
-        if not self.architecture.mirror:
-            return encode(numbers)
-        return torch.cat([encode(numbers), encode(numbers.flip(-1))], dim=-1)
-
-    def _compared(self, current: Tensor, targets: Tensor) -> Tensor:
-        """Outputs (N, O) of encoded observations and targets, see `_encoded`."""
-        looks = 2 if self.architecture.mirror else 1
-        pairs = zip(current.chunk(looks, dim=-1), targets.chunk(looks, dim=-1), strict=True)
-        return _looked_at(lambda *pair: self.network.compare(*pair)[0], *pairs)
-
-    def _compared_uncached(self, current: Tensor, targets: Tensor) -> Tensor:
-        """Outputs (N, O) of images and targets, as numbers."""
-        pairs = [(current, targets)]
-        if self.architecture.mirror:
-            pairs.append((current.flip(-1), targets.flip(-1)))
-        return _looked_at(self.network, *pairs)
+        return _joined([self.network(*part) for part in parts])
 
 
 class WaypointNetwork(_Estimator):
@@ -267,20 +242,6 @@ def _check_targets(name: str, targets: EncodedTargets | NDArray) -> None:
     if not isinstance(targets, EncodedTargets | np.ndarray):
         given = type(targets).__name__
         raise InputError(f"{name}: a {given}; give what `prepare` returned, or images")
-
-
-def _looked_at(
-    compare: Callable[[Tensor, Tensor], Tensor],
-    first: tuple[Tensor, Tensor],
-    mirrored: tuple[Tensor, Tensor] | None = None,
-) -> Tensor:
-    """Outputs (N, O) of N pairs: the mean of both looks at those that seem reachable at first."""
-    outputs = compare(*first)
-    seems_reachable = outputs[:, 0] > SECOND_LOOK
-    if mirrored is not None and seems_reachable.any():
-        again = compare(*(images[seems_reachable] for images in mirrored))
-        outputs[seems_reachable] = 0.5 * (outputs[seems_reachable] + again)
-    return outputs
 
 
 def _joined(parts: list[Tensor]) -> Array:

@@ -34,15 +34,12 @@ class Architecture:
         encoder: one of `ENCODERS`.
         view: one of `VIEWS`.
         outputs: one of `OUTPUTS`.
-        mirror: whether an estimator looks once more, as in a mirror, at pairs that seem reachable,
-            and takes the mean of both outputs: whether C arrives does not depend on left and right.
     """
 
     k: int
     encoder: str = "matching"
     view: str = "camera16"
     outputs: str = "waypoint"
-    mirror: bool = False
 
     def __post_init__(self) -> None:
         known = {"encoder": ENCODERS, "view": tuple(VIEWS), "outputs": tuple(OUTPUTS)}
@@ -50,12 +47,6 @@ class Architecture:
             value = getattr(self, name)
             if not isinstance(value, str) or value not in choices:
                 raise InputError(f"network: {name} {value!r}; give one of {', '.join(choices)}")
-        if not isinstance(self.mirror, bool):
-            raise InputError(f"network: mirror {self.mirror!r}; give True or False")
-        if self.mirror and (self.outputs != "reachability" or self.encoder == "stacked"):
-            raise InputError(
-                "network: only reachability is the same in a mirror, and a stacked encoder has none"
-            )
         if type(self.k) is not int or not 0 <= self.k <= 20:
             raise InputError(f"network: k = {self.k!r}; give a whole number, 0 to 20")
 
@@ -113,9 +104,7 @@ class LocalNetwork(nn.Module):
         Args:
             encoded: (N, ...) from `encode_current`, or of single images from `encode_targets`.
         """
-        tensor(
-            "encoded", encoded, ("N", *self.encoder.shape[:-1], "D")
-        )  # twice as many with a mirror
+        tensor("encoded", encoded, ("N", *self.encoder.shape))
         if not isinstance(self.encoder, MatchingEncoder):
             return functional.normalize(encoded.flatten(1)[:, None], dim=-1)
         columns = functional.normalize(encoded[..., : self.encoder.sizes[0]], dim=-1)

@@ -160,7 +160,6 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "meng_fig12 localization",
         "meng_fig13 reuse",
         "calibration audit",
-        "calibration mirror",
         "disturbances patience",
         "nts_table1 geometry",
         "nts_table2 geometry",

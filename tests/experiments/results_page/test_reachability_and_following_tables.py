@@ -10,7 +10,6 @@ from tutorial_lib.experiments.results_page.following import (
 from tutorial_lib.experiments.results_page.reachability import (
     ESTIMATORS,
     discrimination,
-    in_a_mirror,
     precision,
 )
 
@@ -45,19 +44,6 @@ def test_every_precision_has_the_count_behind_it():
     sure = ["90.0% (180 of 200)", "91.0% (182 of 200)", "92.0% (184 of 200)"]
     assert found[2] == ["RE, k = 2", *sure, "1.00% (2 of 200)"]
     assert found[-1] == ["true geometry", "90.0% (630 of 700)", "", "", ""]
-
-
-def test_one_look_and_two_stand_below_each_other():
-    rows = [estimator(name, number) for number, name in enumerate(("k2", "k2", "k5", "k5"))]
-    rows = [row | {"looks": 1 + number % 2} for number, row in enumerate(rows)]
-    rows[1]["far_above_09"] = 0.005
-    found = cells(in_a_mirror(rows[::-1]))
-    assert [line[:2] for line in found[1:]] == [
-        [ESTIMATORS[name], looks] for name in ("k5", "k2") for looks in ("one look", "two looks")
-    ]
-    auc, twice = "0.800 (0.700 to 0.900)", "**0.810 (0.700 to 0.900)**"
-    assert found[3][2:] == [auc, "0.100", "90.0% (90 of 100)", "1.00% (2 of 200)"]
-    assert found[4][2:] == [twice, "0.110", "90.0% (180 of 200)", "**0.50% (1 of 200)**"]
 
 
 def test_how_anchors_are_chosen_is_said():

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.meng2020 import calibration_audit, calibration_mirror
+from tutorial_lib.experiments.meng2020 import calibration_audit
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
 from tutorial_lib.experiments.protocols.geometry_bound import FITTED, fitted
 from tutorial_lib.experiments.protocols.local_control import WORLDS
@@ -63,5 +63,5 @@ EXPERIMENT = Experiment(
         fitting=FITTED[:1], sizes=Sizes(targets=16, far=40, anchors=20, edges=4, consecutive=4)
     ),
     accepts=frozenset({"family"}),
-    ablations={"audit": calibration_audit.EXPERIMENT, "mirror": calibration_mirror.EXPERIMENT},
+    ablations={"audit": calibration_audit.EXPERIMENT},
 )

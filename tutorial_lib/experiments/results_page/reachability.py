@@ -16,7 +16,7 @@ from tutorial_lib.experiments.results_page.markdown import (
     with_best_bold,
 )
 from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import Results, one
+from tutorial_lib.experiments.results_page.sources import RETIRED, Results, one
 
 ESTIMATORS = {
     "k0": "RE, k = 0",
@@ -88,6 +88,7 @@ def _section(results: Results) -> list[str]:
         f"{percent(laser['far_above_09'], 2)} of the far pairs likely: a scan without colours "
         f"looks alike in many places. How rollouts of far pairs end is measured by `experiment "
         f"calibration --ablation audit`.",
+        _mirror(results),
     ]
 
 
@@ -125,50 +126,22 @@ def _halls_section(results: Results) -> list[str]:
     ]
 
 
-def in_a_mirror(rows: Rows) -> str:
-    """The figures of each RE with one look at a pair and with two."""
-    lines = []
-    for name in dict.fromkeys(row["estimator"] for row in rows):
-        found = [one(rows, estimator=name, looks=looks) for looks in (1, 2)]
-        auc = with_best_bold(
-            [number_interval(row, "auc") for row in found], [row["auc"] for row in found]
-        )
-        likely = with_best_bold(
-            [counted(row["far_above_09"], row["far"], 2) for row in found],
-            [row["far_above_09"] for row in found],
-            least=True,
-        )
-        for looks, row in enumerate(found):
-            sure = counted(row["precision_mix"], row["sure_mix"])
-            ece = number(row["ece"])
-            words = ("one look", "two looks")[looks]
-            lines.append([ESTIMATORS[name], words, auc[looks], ece, sure, likely[looks]])
-    head = ["estimator", "looks", "AUC", "ECE", f"right above {SURE:g}", "far above 0.9"]
-    return table(head, lines)
-
-
-def _mirror_section(results: Results) -> list[str]:
+def _mirror(results: Results) -> str:
+    """What a second look would change, see `RETIRED`."""
     rows = results.rows("calibration_mirror")
     gains = [
         f"from {percent(one(rows, estimator=name, looks=1)['far_above_09'], 2)} to "
         f"{percent(one(rows, estimator=name, looks=2)['far_above_09'], 2)} with {words}"
         for name, words in {"k2": "k = 2", "k5": "k = 5"}.items()
     ]
-    return [
-        f"Whether C arrives does not depend on left and right. So a pair that seems reachable at "
-        f"first can be looked at once more as in a mirror, and the mean of both logits counts "
-        f"(not in the paper). The same weights with one look and with two, each "
-        f"{results.note('calibration_mirror', 'each ')}; as above, but on fewer pairs.",
-        in_a_mirror(rows),
-        f"With two looks RE discriminates a little better, and where it sees colours and context "
-        f"fewer far pairs are predicted likely: {gains[0]}, and {gains[1]}. They cost up to twice "
-        f"the time. The networks that come with the library look once, and so does RE in all that "
-        f"follows on this page.",
-    ]
+    return (
+        f"**Tried, and not kept:** a second look at each pair as in a mirror. For up to twice the "
+        f"time, fewer far pairs are predicted likely: {gains[0]}, and {gains[1]} "
+        f"(`calibration_mirror.json`; the code is gone)."
+    )
 
 
 SECTIONS = (
-    Section("Calibration of reachability", ("calibration",), _section),
+    Section("Calibration of reachability", ("calibration",), _section, RETIRED),
     Section("Calibration in halls", ("calibration_hall",), _halls_section),
-    Section("Calibration with a mirror", ("calibration_mirror",), _mirror_section),
 )

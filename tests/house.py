@@ -1,0 +1,92 @@
+"""How large the house is, and how often its rules are broken: ``python -m tests.house``."""
+
+import ast
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+LIBRARY = ROOT / "tutorial_lib"
+OUTER = ("experiments", "results", "demos")
+"""Packages that hold experiments with their tasks, results and demos."""
+
+
+def lines_of(*folders):
+    """Lines and files of Python in folders."""
+    files = [file for folder in folders for file in folder.rglob("*.py")]
+    return sum(len(file.read_text().splitlines()) for file in files), len(files)
+
+
+def count(pattern, folder):
+    """How often a pattern occurs in the Python files of a folder."""
+    return sum(len(re.findall(pattern, file.read_text())) for file in folder.rglob("*.py"))
+
+
+def module_of(file):
+    """The whole name of a module's file, or of its package's."""
+    parts = list(file.relative_to(ROOT).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def importers():
+    """For each module of the library, the modules that import it."""
+    files = {module_of(file): file for file in LIBRARY.rglob("*.py")}
+    found = {name: set() for name in files}
+    for name, file in files.items():
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                whole = [node.module, *(f"{node.module}.{one.name}" for one in node.names)]
+                for other in whole:
+                    if other in found and other != name:
+                        found[other].add(name)
+    return found
+
+
+def past_a_door(found):
+    """Imports from another package's module in place of the package itself."""
+
+    def package(name):
+        return ".".join(name.split(".")[:2])
+
+    return sum(
+        package(name) != package(other)
+        for other, names in found.items()
+        if other.count(".") > 1
+        for name in names
+    )
+
+
+def prose():
+    """Lines of f-strings with eight words or more in the experiments."""
+    words = re.compile(r'f"(?=[^"]*(?:\b[a-z]+\b[^"]*?){8})')
+    return count(words, LIBRARY / "experiments")
+
+
+def main():
+    """Print the table."""
+    found = importers()
+    library, files = lines_of(LIBRARY)
+    single = sum(
+        len(names) == 1
+        for name, names in found.items()
+        if not (LIBRARY.parent / Path(*name.split("."))).is_dir()
+    )
+    tests, wrong = lines_of(ROOT / "tests")[0], lines_of(ROOT / "tests" / "wrong_answers")[0]
+    rows = {
+        "library, lines / files": f"{library:,} / {files}",
+        "checks, lines": f"{lines_of(LIBRARY / 'checks')[0]:,}",
+        "fault ==": count(r"fault ==", LIBRARY / "checks"),
+        "tests, lines": f"{tests:,}",
+        "wrong answers, lines": f"{wrong:,}",
+        "experiments with tasks, results, demos, lines": (
+            f"{lines_of(*(LIBRARY / one for one in OUTER if (LIBRARY / one).is_dir()))[0]:,}"
+        ),
+        "prose in f-strings, lines": prose(),
+        "imports past a door": past_a_door(found),
+        "modules with a single importer": single,
+    }
+    for what, number in rows.items():
+        print(f"{what:46}{number!s:>14}")
+
+
+if __name__ == "__main__":
+    main()
