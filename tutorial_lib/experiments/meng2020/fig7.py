@@ -188,6 +188,6 @@ EXPERIMENT = Experiment(
     WORLDS[:4],
     Settings(),
     QUICK,
-    canary=replace(QUICK, contexts=("k2",), trajectories=2),
+    canary=replace(QUICK, thresholds=(0.99,), intervals=(20,), trajectories=1),
     accepts=frozenset({"family", "odometry"}),
 )
