@@ -625,51 +625,6 @@ def travel__right_while_plans_are_left(plan, drive, replans):
     return False, excluded
 
 
-def tally__blames_all(trips):
-    """do not blame them"""
-    return _counted(trips, lambda place, stopped: (True, stopped is None))
-
-
-def tally__blames_what_was_not_tried(trips):
-    """was never tried"""
-    return _counted(trips, lambda place, stopped: (True, stopped is None or place < stopped))
-
-
-def tally__passes_the_last(trips):
-    """was tried, but not passed"""
-    return _counted(trips, lambda place, stopped: (stopped is None or place <= stopped, True))
-
-
-def tally__blames_the_edge_after(trips):
-    """not on the one after it"""
-
-    def judged(place, stopped):
-        arrived = stopped is None
-        return arrived or place <= stopped + 1, arrived or place <= stopped
-
-    return _counted(trips, judged)
-
-
-def tally__blames_the_edge_before(trips):
-    """not on the one before it"""
-
-    def judged(place, stopped):
-        arrived = stopped is None
-        return arrived or place < stopped, arrived or place < stopped - 1
-
-    return _counted(trips, judged)
-
-
-def tally__counts_arrivals_only(trips):
-    """trips that failed count, too"""
-    return _counted([trip for trip in trips if trip[1] is None], _judged)
-
-
-def tally__counts_failures_only(trips):
-    """trips that arrived count, too"""
-    return _counted([trip for trip in trips if trip[1] is not None], _judged)
-
-
 def tally__forgets_the_direction(trips):
     """edges have a direction"""
     found = Counter()
@@ -688,16 +643,6 @@ def tally__remembers_the_last_trip(trips):
     for trip in trips:
         counts |= _counted([trip], _judged)
     return counts
-
-
-def tally__exchanges_the_numbers(trips):
-    """first how often it was tried"""
-    return {edge: numbers[::-1] for edge, numbers in _counted(trips, _judged).items()}
-
-
-def tally__counts_what_failed(trips):
-    """not how often it failed"""
-    return {edge: (a, a - b) for edge, (a, b) in _counted(trips, _judged).items()}
 
 
 def tally__gives_a_list(trips):
@@ -1080,26 +1025,6 @@ def travel__calls_a_refusal_an_arrival(plan, drive, replans):
     return False, excluded
 
 
-def tally__turns_edges_round(trips):
-    """yours are turned round"""
-    return {(w, v): both for (v, w), both in _counted(trips, _judged).items()}
-
-
-def tally__counts_an_edge_once_a_trip(trips):
-    """each time counts"""
-    counts = {}
-    for path, stopped in trips:
-        for edge, (_, passed) in _counted([(path, stopped)], _judged).items():
-            before = counts.get(edge, (0, 0))
-            counts[edge] = (before[0] + 1, before[1] + min(passed, 1))
-    return counts
-
-
-def tally__leaves_out_the_ends(trips):
-    """edges from HERE and to GOAL count as well"""
-    return {edge: both for edge, both in _counted(trips, _judged).items() if min(edge) >= 0}
-
-
 def tally__looks_at_the_index_of_the_vertex(trips):
     """(tried, passed) ="""
     counts = {}
@@ -1466,17 +1391,6 @@ def tally__bool_list(trips):
     for path, stopped in trips:
         for i, e in enumerate(pairwise(path), 1):
             c.setdefault(e, []).append(stopped is None or i < stopped)
-    return c
-
-
-def tally__zero_tried(trips):
-    """edge"""
-    c = {}
-    for path, stopped in trips:
-        for i, e in enumerate(pairwise(path), 1):
-            t, p = c.get(e, (0, 0))
-            s = stopped if stopped is not None else 99
-            c[e] = (t + (i <= s), p + (i < s))
     return c
 
 
