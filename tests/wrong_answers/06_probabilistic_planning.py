@@ -259,19 +259,6 @@ def join_ends__copies_only_the_outside(graph, from_here, to_goals, p_here, p_goa
     return joined
 
 
-def join_ends__joins_backwards(graph, from_here, to_goals, p_here, p_goal):
-    """from a vertex to GOAL, not back"""
-    joined = _copied(graph)
-    for v, p in from_here.items():
-        if p > p_here and v in graph:
-            joined[v][HERE] = p
-    for image in to_goals:
-        for v, p in image.items():
-            if v in joined and p > max(p_goal, joined[GOAL].get(v, 0)):
-                joined[GOAL][v] = p
-    return joined
-
-
 def join_ends__takes_the_threshold_itself(graph, from_here, to_goals, p_here, p_goal):
     """greater than the threshold, not equal to it"""
     return _joined(graph, from_here, to_goals, p_here - 1e-12, p_goal - 1e-12)
@@ -282,75 +269,11 @@ def join_ends__takes_all(graph, from_here, to_goals, p_here, p_goal):
     return _joined(graph, from_here, to_goals, 0.0, 0.0)
 
 
-def join_ends__exchanges_the_thresholds(graph, from_here, to_goals, p_here, p_goal):
-    """yours exchanges them"""
-    return _joined(graph, from_here, to_goals, p_goal, p_here)
-
-
-def join_ends__knows_one_threshold(graph, from_here, to_goals, p_here, p_goal):
-    """a threshold of their own, p_goal"""
-    return _joined(graph, from_here, to_goals, p_here, p_here)
-
-
-def join_ends__is_strict_on_both_sides(graph, from_here, to_goals, p_here, p_goal):
-    """a threshold of their own, p_here"""
-    return _joined(graph, from_here, to_goals, p_goal, p_goal)
-
-
-def join_ends__overwrites(graph, from_here, to_goals, p_here, p_goal):
-    """not the last"""
-    last = {v: p for image in to_goals for v, p in image.items()}
-    return _joined(graph, from_here, [last], p_here, p_goal)
-
-
 def join_ends__demands_all_images(graph, from_here, to_goals, p_here, p_goal):
     """yours demands all of them"""
     common = set.intersection(*(set(image) for image in to_goals))
     least = {v: min(image[v] for image in to_goals) for v in common}
     return _joined(graph, from_here, [least], p_here, p_goal)
-
-
-def join_ends__averages(graph, from_here, to_goals, p_here, p_goal):
-    """do not average"""
-    reach = defaultdict(list)
-    for image in to_goals:
-        for v, p in image.items():
-            reach[v].append(p)
-    mean = {v: sum(p) / len(p) for v, p in reach.items()}
-    return _joined(graph, from_here, [mean], p_here, p_goal)
-
-
-def join_ends__multiplies(graph, from_here, to_goals, p_here, p_goal):
-    """do not multiply"""
-    product = defaultdict(lambda: 1.0)
-    for image in to_goals:
-        for v, p in image.items():
-            product[v] *= p
-    return _joined(graph, from_here, [product], p_here, p_goal)
-
-
-def join_ends__looks_at_one_image(graph, from_here, to_goals, p_here, p_goal):
-    """not only the first one"""
-    return _joined(graph, from_here, to_goals[:1], p_here, p_goal)
-
-
-def join_ends__needs_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """a goal in sight needs no map"""
-    seen = [{v: p for v, p in image.items() if v in graph} for image in to_goals]
-    return _joined(graph, from_here, seen, p_here, p_goal)
-
-
-def join_ends__is_lenient_in_sight(graph, from_here, to_goals, p_here, p_goal):
-    """the edge from HERE to GOAL leads to GOAL"""
-    joined = {v: dict(out) for v, out in graph.items()} | {HERE: {}, GOAL: {}}
-    for v, p in from_here.items():
-        if v in graph and p > p_here:
-            joined[HERE][v] = p
-    for image in to_goals:
-        for v, p in image.items():
-            if v in joined and p > (p_here if v == HERE else p_goal):
-                joined[v][GOAL] = max(p, joined[v].get(GOAL, 0.0))
-    return joined
 
 
 def join_ends__brings_back_the_dead(graph, from_here, to_goals, p_here, p_goal):
@@ -1052,17 +975,6 @@ def decide__gives_a_second_chance(graph, from_here, to_goals, rules):
     return path, p, "" if reason == "not on the map" and p >= rules.least else reason
 
 
-def join_ends__prunes_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """the map's own edges stay"""
-    pruned = {v: {w: p for w, p in out.items() if p > p_here} for v, out in graph.items()}
-    return _joined(pruned, from_here, to_goals, p_here, p_goal)
-
-
-def join_ends__forgets_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """the new graph has the map's edges, too"""
-    return _joined({v: {} for v in graph}, from_here, to_goals, p_here, p_goal)
-
-
 def most_probable_path__gives_the_last_step(graph, start, goal):
     """that of the last step alone"""
     path, _ = _best(graph, start, goal)
@@ -1196,18 +1108,6 @@ def most_probable_path__max_heap(graph, start, goal):
     return [], 0.0
 
 
-def join_ends__last_wins_over_old(graph, fh, tg, ph, pg):
-    """of several images that a vertex sees take the highest RE, not that of the last"""
-    j = {v: dict(o) for v, o in graph.items()}
-    j[HERE] = {v: p for v, p in fh.items() if p > ph and v in graph}
-    j[GOAL] = {}
-    for r in tg:
-        for v, p in r.items():
-            if p > pg and v in j:
-                j[v][GOAL] = p
-    return j
-
-
 def join_ends__no_here_key_if_empty(graph, fh, tg, ph, pg):
     """HERE is missing; it is a vertex of the new graph, even with no edges"""
     j = {v: dict(o) for v, o in graph.items()}
@@ -1227,12 +1127,6 @@ def join_ends__goal_in_from_here(graph, fh, tg, ph, pg):
     j = _ends(graph, fh, [_of_images(tg)], ph, pg)
     j[HERE][HERE] = 1.0
     return j
-
-
-def join_ends__weights(graph, fh, tg, ph, pg):
-    """edges hold RE here; -log RE is taken by the"""
-    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
-    return {v: {w: -math.log(max(p, 1e-12)) for w, p in o.items()} for v, o in j.items()}
 
 
 def join_ends__drops_dead_ends(graph, fh, tg, ph, pg):
