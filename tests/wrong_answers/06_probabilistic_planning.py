@@ -26,26 +26,6 @@ def most_probable_path__takes_the_fewest_steps(graph, start, goal):
     return [], 0.0
 
 
-def most_probable_path__adds_what_is_missing(graph, start, goal):
-    """1 - RE only resembles -log RE"""
-    return _dijkstra(graph, start, goal, lambda p: 1 - p)
-
-
-def most_probable_path__minimises_re(graph, start, goal):
-    """the smaller it is, the worse"""
-    return _dijkstra(graph, start, goal, lambda p: p)
-
-
-def most_probable_path__takes_negative_costs(graph, start, goal):
-    """as with -RE, which is below 0: each"""
-    return _dijkstra(graph, start, goal, lambda p: -p)
-
-
-def most_probable_path__takes_the_inverse(graph, start, goal):
-    """1 / RE is no sum of logarithms"""
-    return _dijkstra(graph, start, goal, lambda p: 1 / p)
-
-
 def most_probable_path__goes_back_in_a_circle(graph, start, goal):
     """The loop back along the predecessors must end at the start"""
     least, before, heap, done = {start: 0.0}, {start: None}, [(0.0, start)], set()
@@ -85,41 +65,6 @@ def most_probable_path__minds_only_the_weakest_edge(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_path__counts_the_last_step_only(graph, start, goal):
-    """that of the whole path to it"""
-    least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
-    while heap:
-        _, _, vertex = heapq.heappop(heap)
-        if vertex in done:
-            continue
-        done.add(vertex)
-        for other, p in graph[vertex].items():
-            if other not in done and -math.log(p) < least.get(other, math.inf):
-                count += 1
-                least[other], before[other] = -math.log(p), vertex
-                heapq.heappush(heap, (-math.log(p), count, other))
-    return _back(graph, before, start, goal)
-
-
-def most_probable_path__stops_at_first_sight(graph, start, goal):
-    """stops when it first sees the goal"""
-    if start == goal:
-        return [start], 1.0
-    least, before, heap = {start: 0.0}, {start: start}, [(0.0, start)]
-    while heap:
-        cost, vertex = heapq.heappop(heap)
-        if cost > least[vertex]:
-            continue
-        for other, p in graph[vertex].items():
-            through = cost - math.log(p)
-            if through < least.get(other, math.inf):
-                least[other], before[other] = through, vertex
-                heapq.heappush(heap, (through, other))
-        if goal in before:
-            return _back(graph, before, start, goal)
-    return [], 0.0
-
-
 def most_probable_path__settles_too_early(graph, start, goal):
     """not when it is put there"""
     before, heap = {start: start}, [(0.0, start)]
@@ -130,71 +75,6 @@ def most_probable_path__settles_too_early(graph, start, goal):
                 before[other] = vertex
                 heapq.heappush(heap, (cost - math.log(p), other))
     return _back(graph, before, start, goal)
-
-
-def most_probable_path__overwrites_better_paths(graph, start, goal):
-    """overwrites where a vertex was reached from"""
-    before, heap, done = {start: start}, [(0.0, start)], set()
-    while heap:
-        cost, vertex = heapq.heappop(heap)
-        if vertex in done:
-            continue
-        done.add(vertex)
-        if vertex == goal:
-            break
-        for other, p in graph[vertex].items():
-            if other not in done:
-                before[other] = vertex
-                heapq.heappush(heap, (cost - math.log(p), other))
-    return _back(graph, before, start, goal)
-
-
-def most_probable_path__returns_it_backwards(graph, start, goal):
-    """reverse it"""
-    path, p = _best(graph, start, goal)
-    return path[::-1], p
-
-
-def most_probable_path__forgets_the_start(graph, start, goal):
-    """the start is missing"""
-    path, p = _best(graph, start, goal)
-    return path[1:], p
-
-
-def most_probable_path__forgets_the_goal(graph, start, goal):
-    """the goal is missing"""
-    path, p = _best(graph, start, goal)
-    return path[:-1], p
-
-
-def most_probable_path__returns_the_cost(graph, start, goal):
-    """invert it: exp(-cost)"""
-    path, p = _best(graph, start, goal)
-    return path, -math.log(p) if path else 0.0
-
-
-def most_probable_path__sums_probabilities(graph, start, goal):
-    """that is the sum of RE"""
-    path, _ = _best(graph, start, goal)
-    return path, sum(graph[v][w] for v, w in pairwise(path))
-
-
-def most_probable_path__averages(graph, start, goal):
-    """that is the mean of RE"""
-    path, _ = _best(graph, start, goal)
-    return path, sum(graph[v][w] for v, w in pairwise(path)) / max(len(path) - 1, 1)
-
-
-def most_probable_path__returns_the_weakest(graph, start, goal):
-    """that is the least RE on it"""
-    path, _ = _best(graph, start, goal)
-    return path, min([graph[v][w] for v, w in pairwise(path)], default=1.0 if path else 0.0)
-
-
-def most_probable_path__forgets_the_sign(graph, start, goal):
-    """the probability is exp(-cost)"""
-    path, p = _best(graph, start, goal)
-    return path, 1 / p if path else 0.0
 
 
 def most_probable_path__finds_no_predecessor(graph, start, goal):
@@ -975,19 +855,6 @@ def decide__gives_a_second_chance(graph, from_here, to_goals, rules):
     return path, p, "" if reason == "not on the map" and p >= rules.least else reason
 
 
-def most_probable_path__gives_the_last_step(graph, start, goal):
-    """that of the last step alone"""
-    path, _ = _best(graph, start, goal)
-    steps = [graph[v][w] for v, w in pairwise(path)]
-    return path, steps[-1] if steps else float(bool(path))
-
-
-def most_probable_path__gives_a_logarithm(graph, start, goal):
-    """that is the logarithm of its probability"""
-    path, p = _best(graph, start, goal)
-    return path, math.log(p) if path else 0.0
-
-
 def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
     order, least = {start: [start]}, {start: 1.0}
     for _ in range(len(graph)):
@@ -1034,43 +901,10 @@ def _with_ends(graph, from_here, images, p_here, p_goal):
     return _ends(graph, from_here, [_of_images(images)], p_here, p_goal)
 
 
-def most_probable_path__start_eq_goal_empty(graph, start, goal):
-    """where start and goal are the same vertex, the path is that vertex, with"""
-    if start == goal:
-        return [], 0.0
-    return _d(graph, start, goal)
-
-
 def most_probable_path__zero_int(graph, start, goal):
     """None came back as the path; return a list"""
     r = _d(graph, start, goal)
     return r if r[0] else (None, 0)
-
-
-def most_probable_path__log10(graph, start, goal):
-    """the path is right, but with base 10: take math.log and"""
-    path, _ = _d(graph, start, goal)
-    return path, math.exp(sum(math.log10(graph[v][w]) for v, w in pairwise(path))) if path else 0.0
-
-
-def most_probable_path__greedy(graph, start, goal):
-    """yours always takes the best next edge, which may lead to poor ones. Compare"""
-    path = [start]
-    p = 1
-    while path[-1] != goal:
-        nxt = {w: q for w, q in graph[path[-1]].items() if w not in path}
-        if not nxt:
-            return [], 0.0
-        w = max(nxt, key=nxt.get)
-        p *= nxt[w]
-        path.append(w)
-    return path, p
-
-
-def most_probable_path__no_path_prob1(graph, start, goal):
-    """where no path leads to the goal, the probability is"""
-    r = _d(graph, start, goal)
-    return r if r[0] else ([], 1.0)
 
 
 def most_probable_path__raises(graph, start, goal):
@@ -1342,22 +1176,6 @@ def decide__right_with_a_helper(graph, from_here, to_goals, rules):
     if sure[0]:
         return (*sure, ("too improbable", "")[sure[1] >= rules.least])
     return [*doubtful, "not on the map" if doubtful[0] else "no path"]
-
-
-def most_probable_path__a_few_rounds(graph, start, goal):
-    """a few rounds over all edges are not enough"""
-    found, before = {start: 1.0}, {}
-    for _ in range(3):
-        for v in graph:
-            for w, p in graph[v].items():
-                if found.get(v, 0.0) * p > found.get(w, 0.0):
-                    found[w], before[w] = found[v] * p, v
-    if goal not in found:
-        return [], 0.0
-    path = [goal]
-    while path[-1] != start:
-        path.append(before[path[-1]])
-    return path[::-1], found[goal]
 
 
 def travel__lists_what_is_excluded(plan, drive, replans):

@@ -11,16 +11,9 @@ from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.decide_cases import CASES, RULES
-from tutorial_lib.checks.nb06.graphs import (
-    GOAL,
-    HERE,
-    Found,
-    Graph,
-    Vertex,
-    most_probable_path,
-    random_graph,
-)
+from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.join_ends import join_ends
+from tutorial_lib.checks.nb06.most_probable_path import Found, most_probable_path
 from tutorial_lib.checks.nb06.untouched import number, untouched, vertices
 from tutorial_lib.topology.planner import DijkstraPlanner
 
