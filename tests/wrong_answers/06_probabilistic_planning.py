@@ -196,12 +196,6 @@ def join_ends__right_step_by_step(graph, from_here, to_goals, p_here, p_goal):
     return _joined(graph, from_here, to_goals, p_here, p_goal)
 
 
-def decide__trusts_every_goal(graph, from_here, to_goals, rules):
-    """yours starts towards a goal that no vertex reaches with more than rules.p_goal"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    return path, p, "no path" if not path else "" if p >= rules.least else "too improbable"
-
-
 def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
     """plan with edges to the goal above rules.p_goal first"""
     path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
@@ -212,76 +206,10 @@ def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
     return path, p, "" if p >= rules.least else "too improbable"
 
 
-def decide__is_as_strict_about_here(graph, from_here, to_goals, rules):
-    """from here rules.p_query is enough"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_goal)
-    if path:
-        return path, p, "" if p >= rules.least else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_query)
-    return path, p, "not on the map" if path else "no path"
-
-
-def decide__dares_everything(graph, from_here, to_goals, rules):
-    """a path that is less probable than rules.least"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "" if reason == "too improbable" else reason
-
-
-def decide__demands_more_than_enough(graph, from_here, to_goals, rules):
-    """exactly rules.least is enough"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "too improbable" if not reason and p <= rules.least else reason
-
-
-def decide__demands_too_much_of_the_path(graph, from_here, to_goals, rules):
-    """the whole path must have rules.least"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    if reason in ("", "too improbable"):
-        reason = "" if p > rules.p_goal else "too improbable"
-    return path, p, reason
-
-
-def decide__never_says_why(graph, from_here, to_goals, rules):
-    """return the reason: not on the map"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    return path, p, "no path" if not path else "" if p >= rules.least else "too improbable"
-
-
-def decide__looks_for_the_goal_anywhere(graph, from_here, to_goals, rules):
-    """the reason depends on whether there is one with rules.p_query"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    if path:
-        return path, p, "" if p >= rules.least else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    seen = any(reach > rules.p_goal for image in to_goals for reach in image.values())
-    return path, p, "no path" if seen or not path else "not on the map"
-
-
-def decide__blames_the_goal(graph, from_here, to_goals, rules):
-    """the reason is no path"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "not on the map" if reason == "no path" else reason
-
-
-def decide__keeps_the_path_to_itself(graph, from_here, to_goals, rules):
-    """return the path and its probability also when the robot refuses"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return ([], 0.0, reason) if reason else (path, p, reason)
-
-
 def decide__says_yes_or_no(graph, from_here, to_goals, rules):
     """give one of"""
     path, p, reason = _decided(graph, from_here, to_goals, rules)
     return path, p, not reason
-
-
-def decide__has_rules_of_its_own(graph, from_here, to_goals, rules):
-    """other rules"""
-    path, p = _planned(graph, from_here, to_goals, 0.5, 0.985)
-    if path:
-        return path, p, "" if p >= 0.5 else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, 0.5, 0.5)
-    return path, p, "not on the map" if path else "no path"
 
 
 def decide__right_in_a_loop(graph, from_here, to_goals, rules):
@@ -840,21 +768,6 @@ def tally__looks_at_the_index_of_the_vertex(trips):
     return counts
 
 
-def decide__drops_all_thresholds(graph, from_here, to_goals, rules):
-    """yours drops every threshold"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    if path:
-        return path, p, "" if p >= rules.least else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, 0.0, 0.0)
-    return path, p, "not on the map" if path else "no path"
-
-
-def decide__gives_a_second_chance(graph, from_here, to_goals, rules):
-    """the second plan only gives the reason"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "" if reason == "not on the map" and p >= rules.least else reason
-
-
 def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
     order, least = {start: [start]}, {start: 1.0}
     for _ in range(len(graph)):
@@ -987,14 +900,6 @@ def join_ends__strings(graph, fh, tg, ph, pg):
     return j
 
 
-def decide__least_first(graph, fh, tg, r):
-    """no path at all is not too improbable: is there a path? That comes"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
-    if p < r.least:
-        return path, p, "too improbable"
-    return path, p, ""
-
-
 def decide__not_on_map_goal_seen(graph, fh, tg, r):
     """yours returns 'not on the map', path [] with 0; 'not on the map', path [-1, 0,"""
     path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
@@ -1005,50 +910,10 @@ def decide__not_on_map_goal_seen(graph, fh, tg, r):
     return [], 0.0, "no path"
 
 
-def decide__swap_words(graph, fh, tg, r):
-    """the two reasons are exchanged: a path with rules.p_query means not on the"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
-    if path:
-        return path, p, "" if p >= r.least else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    return path, p, "no path" if path else "not on the map"
-
-
-def decide__pquery_both_pgoal(graph, fh, tg, r):
-    """yours returns 'not on the map', path [-1, 0, 1, 2, -2] with 0.922; 'start',"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_goal, r.p_query), HERE, GOAL)
-    if path:
-        return path, p, "" if p >= r.least else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    return path, p, "not on the map" if path else "no path"
-
-
-def decide__second_least(graph, fh, tg, r):
-    """where the second plan finds a path, the reason is not on the map, however"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
-    if path:
-        return path, p, "" if p >= r.least else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    if path and p < r.least:
-        return path, p, "too improbable"
-    return path, p, "not on the map" if path else "no path"
-
-
 def decide__none_reason(graph, fh, tg, r):
     """the reason None came back; give one"""
     path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
     return path, p, None if p >= r.least else "too improbable"
-
-
-def decide__prob_of_edge_min(graph, fh, tg, r):
-    """rules.least is for the whole path, not for each of its"""
-    j = _with_ends(graph, fh, tg, r.p_query, r.p_goal)
-    path, p = _d(j, HERE, GOAL)
-    if path:
-        ok = all(j[v][w] >= r.least for v, w in pairwise(path))
-        return path, p, "" if ok else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    return path, p, "not on the map" if path else "no path"
 
 
 def travel__truthy(plan, drive, replans):
@@ -1263,13 +1128,6 @@ def join_ends__shares_what_it_does_not_change(graph, from_here, to_goals, p_here
     """the new graph shares inner dictionaries with the map"""
     joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
     return {v: graph[v] if graph.get(v) == out else out for v, out in joined.items()}
-
-
-def decide__rounds(graph, from_here, to_goals, rules):
-    """compare the probability as it is, not rounded"""
-    path, p, reason = check_decide.reference(graph, from_here, to_goals, rules)
-    starts = reason == "too improbable" and round(p, 2) >= rules.least
-    return path, p, "" if starts else reason
 
 
 def travel__knows_no_vertex_0(plan, drive, replans):
