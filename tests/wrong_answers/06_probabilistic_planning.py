@@ -235,20 +235,6 @@ def travel__excludes_what_it_left(plan, drive, replans):
     return False, excluded
 
 
-def travel__forgets_the_first(plan, drive, replans):
-    """not only the last one"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(excluded)
-        if not path:
-            return False, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        excluded = {path[stopped]} - {GOAL}
-    return False, excluded
-
-
 def travel__excludes_the_whole_path(plan, drive, replans):
     """excluding the whole path leaves no other"""
     return _travelled(plan, drive, replans, lambda path, stopped: set(path) - {HERE, GOAL})
@@ -257,53 +243,6 @@ def travel__excludes_the_whole_path(plan, drive, replans):
 def travel__excludes_what_was_not_tried(plan, drive, replans):
     """only path[stopped] was tried in vain"""
     return _travelled(plan, drive, replans, lambda path, stopped: set(path[stopped:]) - {GOAL})
-
-
-def travel__excludes_nothing(plan, drive, replans):
-    """or the next plan is the same"""
-    return _travelled(plan, drive, replans, lambda path, stopped: set())
-
-
-def travel__excludes_the_index(plan, drive, replans):
-    """exclude the vertex there"""
-    return _travelled(
-        plan, drive, replans, lambda path, stopped: {stopped} if path[stopped] != GOAL else set()
-    )
-
-
-def travel__excludes_the_goal(plan, drive, replans):
-    """the goal is no vertex of the map"""
-    return _travelled(plan, drive, replans, lambda path, stopped: {path[stopped]})
-
-
-def travel__drives_the_old_path(plan, drive, replans):
-    """yours drives along the old one"""
-    excluded = set()
-    path = plan(excluded)
-    if not path:
-        return False, excluded
-    for _ in range(replans + 1):
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-    return False, excluded
-
-
-def travel__gives_up_too_soon(plan, drive, replans):
-    """yours makes one too few"""
-    return _travelled(plan, drive, replans - 1)
-
-
-def travel__gives_up_too_late(plan, drive, replans):
-    """yours makes one too many"""
-    return _travelled(plan, drive, replans + 1)
-
-
-def travel__tries_once(plan, drive, replans):
-    """yours plans only once"""
-    return _travelled(plan, drive, 0)
 
 
 def travel__drives_on_nothing(plan, drive, replans):
@@ -691,22 +630,6 @@ def navigate__right_by_recursion(robot, graph, rules, limits):
     return [ending, plans, excluded]
 
 
-def travel__gives_up_at_the_goal(plan, drive, replans):
-    """when it cannot be reached, replan. Yours gives up"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(excluded)
-        if not path:
-            return False, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] == GOAL:
-            break
-        excluded.add(path[stopped])
-    return False, excluded
-
-
 def travel__blames_the_last_vertex_for_the_goal(plan, drive, replans):
     """Yours excludes the vertex before it"""
     return _travelled(
@@ -715,45 +638,6 @@ def travel__blames_the_last_vertex_for_the_goal(plan, drive, replans):
         replans,
         lambda path, stopped: {path[stopped] if path[stopped] != GOAL else path[stopped - 1]},
     )
-
-
-def travel__does_not_count_the_goal(plan, drive, replans):
-    """was a plan, too; count it"""
-    excluded, left = set(), replans + 1
-    for _ in range(30):
-        if not left:
-            break
-        path = plan(excluded)
-        if not path:
-            return False, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-            left -= 1
-    return False, excluded
-
-
-def travel__returns_nothing_of_the_excluded(plan, drive, replans):
-    """also on arrival"""
-    arrived, excluded = _travelled(plan, drive, replans)
-    return arrived, set() if arrived else excluded
-
-
-def travel__calls_a_refusal_an_arrival(plan, drive, replans):
-    """return False"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(excluded)
-        if not path:
-            return True, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-    return False, excluded
 
 
 def tally__looks_at_the_index_of_the_vertex(trips):
@@ -943,21 +827,6 @@ def travel__drive_twice(plan, drive, replans):
     return False, ex
 
 
-def travel__none_on_refusal(plan, drive, replans):
-    """yours plans 6 times, but once is right: there may be 5 replans"""
-    ex = set()
-    for _ in range(replans + 1):
-        path = plan(ex)
-        if not path:
-            continue
-        s = drive(path)
-        if s is None:
-            return True, ex
-        if path[s] != GOAL:
-            ex.add(path[s])
-    return False, ex
-
-
 def travel__all_until(plan, drive, replans):
     """the vertices before path[stopped] were reached; exclude path[stopped]"""
     ex = set()
@@ -1058,21 +927,6 @@ def travel__lists_what_is_excluded(plan, drive, replans):
     return False, set(excluded)
 
 
-def travel__starts_anew(plan, drive, replans):
-    """the set lives outside of the loop"""
-    for _ in range(replans + 1):
-        excluded = set()
-        path = plan(excluded)
-        if not path:
-            break
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-    return False, excluded
-
-
 def _driven_by(robot, graph, rules, limits, fresh=None, last_look=True):
     """The navigator, with another rule of refusing, and with or without a last look."""
     path, turned, lost, excluded, plans = [], 0, 0, set(), []
@@ -1128,21 +982,6 @@ def join_ends__shares_what_it_does_not_change(graph, from_here, to_goals, p_here
     """the new graph shares inner dictionaries with the map"""
     joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
     return {v: graph[v] if graph.get(v) == out else out for v, out in joined.items()}
-
-
-def travel__knows_no_vertex_0(plan, drive, replans):
-    """vertex 0 is a vertex of the map like the others"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(set(excluded))
-        if not path:
-            break
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] > 0:
-            excluded.add(path[stopped])
-    return False, excluded
 
 
 def navigate__wastes_the_last_step(robot, graph, rules, limits):

@@ -167,11 +167,7 @@ def _invoke(what: str, student: Callable[..., Any], story: Story) -> Any:  # noq
         KeyError: "GOAL and HERE are no vertices of the map; graph[vertex] holds its edges",
         TypeError: "look() and turn() take nothing, follow(path) the path; active is a number",
     }
-    try:
-        return explaining(what, lambda: _play(student, story), hints)
-    except WrongAnswer as wrong:
-        said = str(wrong)
-        raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None
+    return explaining(what, partial(_play, student, story), hints)
 
 
 class _Example:
