@@ -5,9 +5,8 @@ import math
 from collections import Counter, defaultdict
 from itertools import pairwise
 
-from tutorial_lib.checks.nb06 import check_decide, check_navigate
+from tutorial_lib.checks.nb06 import check_navigate
 from tutorial_lib.checks.nb06.join_ends import join_ends
-from tutorial_lib.checks.nb06.navigate import without
 
 HERE, GOAL = -1, -2
 
@@ -436,22 +435,7 @@ def _left(graph, excluded):
     }
 
 
-def _navigated(
-    robot,
-    graph,
-    rules,
-    limits,
-    beside=lambda graph, v: {w for w in graph[v] if v in graph[w]},
-    place=lambda active: active,
-    interval=None,
-    refuses=lambda reason, lost: reason and not lost,
-    allowed=lambda limits: limits.replans,
-    gives_up=lambda searched, limits: searched >= limits.search,
-    fresh=True,
-    forgets=False,
-    around=_left,
-    spared=True,
-):
+def _navigated(robot, graph, rules, limits, interval=None, around=_left, spared=True):
     """A navigator, some of whose rules can be exchanged."""
     path, plans, excluded, searched, lost = None, [], set(), 0, 0
     steps = 0
@@ -460,10 +444,10 @@ def _navigated(
             near, ends = robot.look()
             found = decide__right_in_a_loop(around(graph, excluded), near, ends, rules)
             plans.append(found)
-            if found[0] and refuses(found[2], lost):
+            if found[0] and found[2] and not lost:
                 return "refused", plans, excluded
             path = found[0] or None
-        if path is None and gives_up(searched, limits):
+        if path is None and searched >= limits.search:
             return "gave up", plans, excluded
         steps += 1
         if path is None:
@@ -474,86 +458,20 @@ def _navigated(
         if said == "arrived":
             return said, plans, excluded
         if said == "lost":
-            vertex = path[place(robot.active)]
-            if forgets:
-                excluded = set()
+            vertex = path[robot.active]
             if vertex >= 0 or not spared:
-                excluded = excluded | {vertex} | beside(graph, vertex)
+                beside = {w for w in graph[vertex] if vertex in graph[w]}
+                excluded = excluded | {vertex} | beside
             lost += 1
-            if lost > allowed(limits):
+            if lost > limits.replans:
                 return "gave up", plans, excluded
-            path, searched = None, 0 if fresh else searched
+            path, searched = None, 0
     return "late", plans, excluded
-
-
-def navigate__excludes_only_the_vertex(robot, graph, rules, limits):
-    """exclude the vertices beside it, too"""
-    return _navigated(robot, graph, rules, limits, beside=lambda graph, v: set())
-
-
-def navigate__excludes_all_behind_it(robot, graph, rules, limits):
-    """not all that it leads to"""
-    return _navigated(robot, graph, rules, limits, beside=lambda graph, v: set(graph[v]))
-
-
-def navigate__excludes_what_it_left(robot, graph, rules, limits):
-    """not the one before it"""
-    return _navigated(robot, graph, rules, limits, place=lambda active: active - 1)
-
-
-def navigate__looks_at_each_step(robot, graph, rules, limits):
-    """not at each"""
-    return _navigated(robot, graph, rules, limits, interval=1)
 
 
 def navigate__has_an_interval_of_its_own(robot, graph, rules, limits):
     """is right"""
     return _navigated(robot, graph, rules, limits, interval=10)
-
-
-def navigate__refuses_when_lost(robot, graph, rules, limits):
-    """takes a refused path rather than none"""
-    return _navigated(robot, graph, rules, limits, refuses=lambda reason, lost: reason)
-
-
-def navigate__never_refuses(robot, graph, rules, limits):
-    """yours drives it"""
-    return _navigated(robot, graph, rules, limits, refuses=lambda reason, lost: False)
-
-
-def navigate__allows_one_less(robot, graph, rules, limits):
-    """yours allows one less"""
-    return _navigated(robot, graph, rules, limits, allowed=lambda limits: limits.replans - 1)
-
-
-def navigate__allows_one_more(robot, graph, rules, limits):
-    """yours allows one more"""
-    return _navigated(robot, graph, rules, limits, allowed=lambda limits: limits.replans + 1)
-
-
-def navigate__gives_up_at_once(robot, graph, rules, limits):
-    """yours gives up at once"""
-    return _navigated(robot, graph, rules, limits, gives_up=lambda searched, limits: True)
-
-
-def navigate__never_gives_up(robot, graph, rules, limits):
-    """after limits.search steps of turning"""
-    return _navigated(robot, graph, rules, limits, gives_up=lambda searched, limits: False)
-
-
-def navigate__counts_all_searches(robot, graph, rules, limits):
-    """each search begins anew"""
-    return _navigated(robot, graph, rules, limits, fresh=False)
-
-
-def navigate__forgets_the_first(robot, graph, rules, limits):
-    """not only the last one"""
-    return _navigated(robot, graph, rules, limits, forgets=True)
-
-
-def navigate__plans_on_the_whole_map(robot, graph, rules, limits):
-    """without(graph, excluded)"""
-    return _navigated(robot, graph, rules, limits, around=lambda graph, excluded: graph)
 
 
 def navigate__cuts_the_map(robot, graph, rules, limits):
@@ -925,47 +843,6 @@ def travel__lists_what_is_excluded(plan, drive, replans):
         if path[stopped] != GOAL:
             excluded.append(path[stopped])
     return False, set(excluded)
-
-
-def _driven_by(robot, graph, rules, limits, fresh=None, last_look=True):
-    """The navigator, with another rule of refusing, and with or without a last look."""
-    path, turned, lost, excluded, plans = [], 0, 0, set(), []
-    for _ in range(limits.steps):
-        if not path and not last_look and turned == limits.search:
-            return "gave up", plans, excluded
-        if not path and turned % limits.interval == 0:
-            left = without(graph, excluded)
-            plans.append(check_decide.reference(left, *robot.look(), rules))
-            path, _, reason = plans[-1]
-            if path and reason and (fresh(excluded) if fresh else not lost):
-                return "refused", plans, excluded
-        if not path:
-            if turned == limits.search:
-                return "gave up", plans, excluded
-            robot.turn()
-            turned += 1
-            continue
-        state = robot.follow(path)
-        if state == "arrived":
-            return "arrived", plans, excluded
-        if state == "lost":
-            vertex = path[robot.active]
-            if vertex != GOAL:
-                excluded |= {vertex, *(w for w in graph[vertex] if vertex in graph[w])}
-            lost, path, turned = lost + 1, [], 0
-            if lost > limits.replans:
-                return "gave up", plans, excluded
-    return "late", plans, excluded
-
-
-def navigate__refuses_after_the_goal(robot, graph, rules, limits):
-    """not whether anything is excluded"""
-    return _driven_by(robot, graph, rules, limits, fresh=lambda excluded: not excluded)
-
-
-def navigate__gives_up_before_the_last_look(robot, graph, rules, limits):
-    """where a look is due, it comes before giving up"""
-    return _driven_by(robot, graph, rules, limits, last_look=False)
 
 
 # Ties, small values, the last step, vertex 0
