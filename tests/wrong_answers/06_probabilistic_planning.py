@@ -310,18 +310,18 @@ def tally__remembers_the_last_trip(trips):
     """yours forgets those before"""
     counts = {}
     for trip in trips:
-        counts |= _counted([trip], _judged)
+        counts |= _counted([trip])
     return counts
 
 
 def tally__gives_a_list(trips):
     """return a dictionary with edges as keys"""
-    return list(_counted(trips, _judged).items())
+    return list(_counted(trips).items())
 
 
 def tally__gives_shares(trips):
     """give a tuple of two, (tried, passed)"""
-    return {edge: b / a for edge, (a, b) in _counted(trips, _judged).items()}
+    return {edge: b / a for edge, (a, b) in _counted(trips).items()}
 
 
 def tally__right_with_counters(trips):
@@ -335,18 +335,18 @@ def tally__right_with_counters(trips):
 
 
 def tally__right_step_by_step(trips):
-    return _counted(trips, _judged)
+    return _counted(trips)
 
 
 def _judged(place, stopped):
     return stopped is None or place <= stopped, stopped is None or place < stopped
 
 
-def _counted(trips, judged):
+def _counted(trips):
     counts = {}
     for path, stopped in trips:
         for place, edge in enumerate(pairwise(path), 1):
-            tried, passed = judged(place, stopped)
+            tried, passed = _judged(place, stopped)
             if tried:
                 before = counts.get(edge, (0, 0))
                 counts[edge] = (before[0] + 1, before[1] + int(passed))
@@ -366,12 +366,8 @@ def _travelled(plan, drive, replans, exclude=None):
     return False, excluded
 
 
-def _copied(graph):
-    return {**{v: dict(out) for v, out in graph.items()}, HERE: {}, GOAL: {}}
-
-
 def _joined(graph, from_here, to_goals, p_here, p_goal):
-    joined = _copied(graph)
+    joined = {**{v: dict(out) for v, out in graph.items()}, HERE: {}, GOAL: {}}
     for v, p in from_here.items():
         if p > p_here and v in graph:
             joined[HERE][v] = p
@@ -391,10 +387,6 @@ def _decided(graph, from_here, to_goals, rules):
 
 
 def _best(graph, start, goal):
-    return _dijkstra(graph, start, goal, lambda p: -math.log(p))
-
-
-def _dijkstra(graph, start, goal, cost):
     least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
     while heap:
         reached, _, vertex = heapq.heappop(heap)
@@ -404,7 +396,7 @@ def _dijkstra(graph, start, goal, cost):
         if vertex == goal:
             break
         for other, p in graph[vertex].items():
-            through = reached + cost(p)
+            through = reached - math.log(p)
             if other not in done and through < least.get(other, math.inf):
                 count += 1
                 least[other], before[other] = through, vertex
@@ -582,43 +574,9 @@ def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
     return tuple(order[goal]), _product(graph, order[goal])
 
 
-def _d(graph, start, goal, cost=lambda p: -math.log(p)):
-    h = [(0.0, start, [start])]
-    seen = set()
-    while h:
-        length, v, path = heapq.heappop(h)
-        if v == goal:
-            return path, math.exp(-length)
-        if v in seen:
-            continue
-        seen.add(v)
-        for w, p in graph[v].items():
-            heapq.heappush(h, (length + cost(p), w, [*path, w]))
-    return [], 0.0
-
-
-def _of_images(images):
-    return {v: max(image.get(v, 0) for image in images) for image in images for v in image}
-
-
-def _ends(graph, from_here, images, p_here, p_goal):
-    joined = {v: dict(out) for v, out in graph.items()}
-    joined[HERE] = {v: p for v, p in from_here.items() if p > p_here and v in graph}
-    joined[GOAL] = {}
-    for image in images:
-        for v, p in image.items():
-            if p > p_goal and v in joined:
-                joined[v][GOAL] = p
-    return joined
-
-
-def _with_ends(graph, from_here, images, p_here, p_goal):
-    return _ends(graph, from_here, [_of_images(images)], p_here, p_goal)
-
-
 def most_probable_path__zero_int(graph, start, goal):
     """None came back as the path; return a list"""
-    r = _d(graph, start, goal)
+    r = _best(graph, start, goal)
     return r if r[0] else (None, 0)
 
 
@@ -673,14 +631,14 @@ def join_ends__no_here_key_if_empty(graph, fh, tg, ph, pg):
 
 def join_ends__goal_in_from_here(graph, fh, tg, ph, pg):
     """there must be no edge from HERE to HERE: nothing says so"""
-    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    j = _joined(graph, fh, tg, ph, pg)
     j[HERE][HERE] = 1.0
     return j
 
 
 def join_ends__drops_dead_ends(graph, fh, tg, ph, pg):
     """vertex 4 is missing, which was on the map"""
-    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    j = _joined(graph, fh, tg, ph, pg)
     return {v: o for v, o in j.items() if o or v in (HERE, GOAL)}
 
 
@@ -691,7 +649,7 @@ def join_ends__one_best_only(graph, fh, tg, ph, pg):
         v = max(t, key=t.get) if t else None
         if v is not None:
             best[v] = max(t[v], best.get(v, 0))
-    return _ends(graph, fh, [best], ph, pg)
+    return _joined(graph, fh, [best], ph, pg)
 
 
 def join_ends__strings(graph, fh, tg, ph, pg):
@@ -704,7 +662,7 @@ def join_ends__strings(graph, fh, tg, ph, pg):
 
 def decide__not_on_map_goal_seen(graph, fh, tg, r):
     """yours returns 'not on the map', path [] with 0; 'not on the map', path [-1, 0,"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    path, p = _planned(graph, fh, tg, r.p_query, r.p_goal)
     if path:
         return path, p, "" if p >= r.least else "too improbable"
     if all(q <= r.p_goal for t in tg for q in t.values()):
@@ -714,7 +672,7 @@ def decide__not_on_map_goal_seen(graph, fh, tg, r):
 
 def decide__none_reason(graph, fh, tg, r):
     """the reason None came back; give one"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    path, p = _planned(graph, fh, tg, r.p_query, r.p_goal)
     return path, p, None if p >= r.least else "too improbable"
 
 
@@ -821,8 +779,7 @@ def tally__mutates(trips):
 
 def decide__right_with_a_helper(graph, from_here, to_goals, rules):
     def planned(p_goal):
-        joined = _with_ends(graph, from_here, to_goals, rules.p_query, p_goal)
-        return _best(joined, HERE, GOAL)
+        return _planned(graph, from_here, to_goals, rules.p_query, p_goal)
 
     sure, doubtful = planned(rules.p_goal), planned(rules.p_query)
     if sure[0]:
