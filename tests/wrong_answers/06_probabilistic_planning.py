@@ -5,9 +5,8 @@ import math
 from collections import Counter, defaultdict
 from itertools import pairwise
 
-from tutorial_lib.checks.nb06 import check_decide, check_navigate
+from tutorial_lib.checks.nb06 import check_navigate
 from tutorial_lib.checks.nb06.join_ends import join_ends
-from tutorial_lib.checks.nb06.navigate import without
 
 HERE, GOAL = -1, -2
 
@@ -24,26 +23,6 @@ def most_probable_path__takes_the_fewest_steps(graph, start, goal):
                 seen.add(other)
                 paths.append([*path, other])
     return [], 0.0
-
-
-def most_probable_path__adds_what_is_missing(graph, start, goal):
-    """1 - RE only resembles -log RE"""
-    return _dijkstra(graph, start, goal, lambda p: 1 - p)
-
-
-def most_probable_path__minimises_re(graph, start, goal):
-    """the smaller it is, the worse"""
-    return _dijkstra(graph, start, goal, lambda p: p)
-
-
-def most_probable_path__takes_negative_costs(graph, start, goal):
-    """as with -RE, which is below 0: each"""
-    return _dijkstra(graph, start, goal, lambda p: -p)
-
-
-def most_probable_path__takes_the_inverse(graph, start, goal):
-    """1 / RE is no sum of logarithms"""
-    return _dijkstra(graph, start, goal, lambda p: 1 / p)
 
 
 def most_probable_path__goes_back_in_a_circle(graph, start, goal):
@@ -85,41 +64,6 @@ def most_probable_path__minds_only_the_weakest_edge(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_path__counts_the_last_step_only(graph, start, goal):
-    """that of the whole path to it"""
-    least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
-    while heap:
-        _, _, vertex = heapq.heappop(heap)
-        if vertex in done:
-            continue
-        done.add(vertex)
-        for other, p in graph[vertex].items():
-            if other not in done and -math.log(p) < least.get(other, math.inf):
-                count += 1
-                least[other], before[other] = -math.log(p), vertex
-                heapq.heappush(heap, (-math.log(p), count, other))
-    return _back(graph, before, start, goal)
-
-
-def most_probable_path__stops_at_first_sight(graph, start, goal):
-    """stops when it first sees the goal"""
-    if start == goal:
-        return [start], 1.0
-    least, before, heap = {start: 0.0}, {start: start}, [(0.0, start)]
-    while heap:
-        cost, vertex = heapq.heappop(heap)
-        if cost > least[vertex]:
-            continue
-        for other, p in graph[vertex].items():
-            through = cost - math.log(p)
-            if through < least.get(other, math.inf):
-                least[other], before[other] = through, vertex
-                heapq.heappush(heap, (through, other))
-        if goal in before:
-            return _back(graph, before, start, goal)
-    return [], 0.0
-
-
 def most_probable_path__settles_too_early(graph, start, goal):
     """not when it is put there"""
     before, heap = {start: start}, [(0.0, start)]
@@ -130,71 +74,6 @@ def most_probable_path__settles_too_early(graph, start, goal):
                 before[other] = vertex
                 heapq.heappush(heap, (cost - math.log(p), other))
     return _back(graph, before, start, goal)
-
-
-def most_probable_path__overwrites_better_paths(graph, start, goal):
-    """overwrites where a vertex was reached from"""
-    before, heap, done = {start: start}, [(0.0, start)], set()
-    while heap:
-        cost, vertex = heapq.heappop(heap)
-        if vertex in done:
-            continue
-        done.add(vertex)
-        if vertex == goal:
-            break
-        for other, p in graph[vertex].items():
-            if other not in done:
-                before[other] = vertex
-                heapq.heappush(heap, (cost - math.log(p), other))
-    return _back(graph, before, start, goal)
-
-
-def most_probable_path__returns_it_backwards(graph, start, goal):
-    """reverse it"""
-    path, p = _best(graph, start, goal)
-    return path[::-1], p
-
-
-def most_probable_path__forgets_the_start(graph, start, goal):
-    """the start is missing"""
-    path, p = _best(graph, start, goal)
-    return path[1:], p
-
-
-def most_probable_path__forgets_the_goal(graph, start, goal):
-    """the goal is missing"""
-    path, p = _best(graph, start, goal)
-    return path[:-1], p
-
-
-def most_probable_path__returns_the_cost(graph, start, goal):
-    """invert it: exp(-cost)"""
-    path, p = _best(graph, start, goal)
-    return path, -math.log(p) if path else 0.0
-
-
-def most_probable_path__sums_probabilities(graph, start, goal):
-    """that is the sum of RE"""
-    path, _ = _best(graph, start, goal)
-    return path, sum(graph[v][w] for v, w in pairwise(path))
-
-
-def most_probable_path__averages(graph, start, goal):
-    """that is the mean of RE"""
-    path, _ = _best(graph, start, goal)
-    return path, sum(graph[v][w] for v, w in pairwise(path)) / max(len(path) - 1, 1)
-
-
-def most_probable_path__returns_the_weakest(graph, start, goal):
-    """that is the least RE on it"""
-    path, _ = _best(graph, start, goal)
-    return path, min([graph[v][w] for v, w in pairwise(path)], default=1.0 if path else 0.0)
-
-
-def most_probable_path__forgets_the_sign(graph, start, goal):
-    """the probability is exp(-cost)"""
-    path, p = _best(graph, start, goal)
-    return path, 1 / p if path else 0.0
 
 
 def most_probable_path__finds_no_predecessor(graph, start, goal):
@@ -259,19 +138,6 @@ def join_ends__copies_only_the_outside(graph, from_here, to_goals, p_here, p_goa
     return joined
 
 
-def join_ends__joins_backwards(graph, from_here, to_goals, p_here, p_goal):
-    """from a vertex to GOAL, not back"""
-    joined = _copied(graph)
-    for v, p in from_here.items():
-        if p > p_here and v in graph:
-            joined[v][HERE] = p
-    for image in to_goals:
-        for v, p in image.items():
-            if v in joined and p > max(p_goal, joined[GOAL].get(v, 0)):
-                joined[GOAL][v] = p
-    return joined
-
-
 def join_ends__takes_the_threshold_itself(graph, from_here, to_goals, p_here, p_goal):
     """greater than the threshold, not equal to it"""
     return _joined(graph, from_here, to_goals, p_here - 1e-12, p_goal - 1e-12)
@@ -282,75 +148,11 @@ def join_ends__takes_all(graph, from_here, to_goals, p_here, p_goal):
     return _joined(graph, from_here, to_goals, 0.0, 0.0)
 
 
-def join_ends__exchanges_the_thresholds(graph, from_here, to_goals, p_here, p_goal):
-    """yours exchanges them"""
-    return _joined(graph, from_here, to_goals, p_goal, p_here)
-
-
-def join_ends__knows_one_threshold(graph, from_here, to_goals, p_here, p_goal):
-    """a threshold of their own, p_goal"""
-    return _joined(graph, from_here, to_goals, p_here, p_here)
-
-
-def join_ends__is_strict_on_both_sides(graph, from_here, to_goals, p_here, p_goal):
-    """a threshold of their own, p_here"""
-    return _joined(graph, from_here, to_goals, p_goal, p_goal)
-
-
-def join_ends__overwrites(graph, from_here, to_goals, p_here, p_goal):
-    """not the last"""
-    last = {v: p for image in to_goals for v, p in image.items()}
-    return _joined(graph, from_here, [last], p_here, p_goal)
-
-
 def join_ends__demands_all_images(graph, from_here, to_goals, p_here, p_goal):
     """yours demands all of them"""
     common = set.intersection(*(set(image) for image in to_goals))
     least = {v: min(image[v] for image in to_goals) for v in common}
     return _joined(graph, from_here, [least], p_here, p_goal)
-
-
-def join_ends__averages(graph, from_here, to_goals, p_here, p_goal):
-    """do not average"""
-    reach = defaultdict(list)
-    for image in to_goals:
-        for v, p in image.items():
-            reach[v].append(p)
-    mean = {v: sum(p) / len(p) for v, p in reach.items()}
-    return _joined(graph, from_here, [mean], p_here, p_goal)
-
-
-def join_ends__multiplies(graph, from_here, to_goals, p_here, p_goal):
-    """do not multiply"""
-    product = defaultdict(lambda: 1.0)
-    for image in to_goals:
-        for v, p in image.items():
-            product[v] *= p
-    return _joined(graph, from_here, [product], p_here, p_goal)
-
-
-def join_ends__looks_at_one_image(graph, from_here, to_goals, p_here, p_goal):
-    """not only the first one"""
-    return _joined(graph, from_here, to_goals[:1], p_here, p_goal)
-
-
-def join_ends__needs_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """a goal in sight needs no map"""
-    seen = [{v: p for v, p in image.items() if v in graph} for image in to_goals]
-    return _joined(graph, from_here, seen, p_here, p_goal)
-
-
-def join_ends__is_lenient_in_sight(graph, from_here, to_goals, p_here, p_goal):
-    """the edge from HERE to GOAL leads to GOAL"""
-    joined = {v: dict(out) for v, out in graph.items()} | {HERE: {}, GOAL: {}}
-    for v, p in from_here.items():
-        if v in graph and p > p_here:
-            joined[HERE][v] = p
-    for image in to_goals:
-        for v, p in image.items():
-            if v in joined and p > (p_here if v == HERE else p_goal):
-                joined[v][GOAL] = max(p, joined[v].get(GOAL, 0.0))
-    return joined
 
 
 def join_ends__brings_back_the_dead(graph, from_here, to_goals, p_here, p_goal):
@@ -393,12 +195,6 @@ def join_ends__right_step_by_step(graph, from_here, to_goals, p_here, p_goal):
     return _joined(graph, from_here, to_goals, p_here, p_goal)
 
 
-def decide__trusts_every_goal(graph, from_here, to_goals, rules):
-    """yours starts towards a goal that no vertex reaches with more than rules.p_goal"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    return path, p, "no path" if not path else "" if p >= rules.least else "too improbable"
-
-
 def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
     """plan with edges to the goal above rules.p_goal first"""
     path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
@@ -409,76 +205,10 @@ def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
     return path, p, "" if p >= rules.least else "too improbable"
 
 
-def decide__is_as_strict_about_here(graph, from_here, to_goals, rules):
-    """from here rules.p_query is enough"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_goal)
-    if path:
-        return path, p, "" if p >= rules.least else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_query)
-    return path, p, "not on the map" if path else "no path"
-
-
-def decide__dares_everything(graph, from_here, to_goals, rules):
-    """a path that is less probable than rules.least"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "" if reason == "too improbable" else reason
-
-
-def decide__demands_more_than_enough(graph, from_here, to_goals, rules):
-    """exactly rules.least is enough"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "too improbable" if not reason and p <= rules.least else reason
-
-
-def decide__demands_too_much_of_the_path(graph, from_here, to_goals, rules):
-    """the whole path must have rules.least"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    if reason in ("", "too improbable"):
-        reason = "" if p > rules.p_goal else "too improbable"
-    return path, p, reason
-
-
-def decide__never_says_why(graph, from_here, to_goals, rules):
-    """return the reason: not on the map"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    return path, p, "no path" if not path else "" if p >= rules.least else "too improbable"
-
-
-def decide__looks_for_the_goal_anywhere(graph, from_here, to_goals, rules):
-    """the reason depends on whether there is one with rules.p_query"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    if path:
-        return path, p, "" if p >= rules.least else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    seen = any(reach > rules.p_goal for image in to_goals for reach in image.values())
-    return path, p, "no path" if seen or not path else "not on the map"
-
-
-def decide__blames_the_goal(graph, from_here, to_goals, rules):
-    """the reason is no path"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "not on the map" if reason == "no path" else reason
-
-
-def decide__keeps_the_path_to_itself(graph, from_here, to_goals, rules):
-    """return the path and its probability also when the robot refuses"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return ([], 0.0, reason) if reason else (path, p, reason)
-
-
 def decide__says_yes_or_no(graph, from_here, to_goals, rules):
     """give one of"""
     path, p, reason = _decided(graph, from_here, to_goals, rules)
     return path, p, not reason
-
-
-def decide__has_rules_of_its_own(graph, from_here, to_goals, rules):
-    """other rules"""
-    path, p = _planned(graph, from_here, to_goals, 0.5, 0.985)
-    if path:
-        return path, p, "" if p >= 0.5 else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, 0.5, 0.5)
-    return path, p, "not on the map" if path else "no path"
 
 
 def decide__right_in_a_loop(graph, from_here, to_goals, rules):
@@ -504,20 +234,6 @@ def travel__excludes_what_it_left(plan, drive, replans):
     return False, excluded
 
 
-def travel__forgets_the_first(plan, drive, replans):
-    """not only the last one"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(excluded)
-        if not path:
-            return False, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        excluded = {path[stopped]} - {GOAL}
-    return False, excluded
-
-
 def travel__excludes_the_whole_path(plan, drive, replans):
     """excluding the whole path leaves no other"""
     return _travelled(plan, drive, replans, lambda path, stopped: set(path) - {HERE, GOAL})
@@ -526,53 +242,6 @@ def travel__excludes_the_whole_path(plan, drive, replans):
 def travel__excludes_what_was_not_tried(plan, drive, replans):
     """only path[stopped] was tried in vain"""
     return _travelled(plan, drive, replans, lambda path, stopped: set(path[stopped:]) - {GOAL})
-
-
-def travel__excludes_nothing(plan, drive, replans):
-    """or the next plan is the same"""
-    return _travelled(plan, drive, replans, lambda path, stopped: set())
-
-
-def travel__excludes_the_index(plan, drive, replans):
-    """exclude the vertex there"""
-    return _travelled(
-        plan, drive, replans, lambda path, stopped: {stopped} if path[stopped] != GOAL else set()
-    )
-
-
-def travel__excludes_the_goal(plan, drive, replans):
-    """the goal is no vertex of the map"""
-    return _travelled(plan, drive, replans, lambda path, stopped: {path[stopped]})
-
-
-def travel__drives_the_old_path(plan, drive, replans):
-    """yours drives along the old one"""
-    excluded = set()
-    path = plan(excluded)
-    if not path:
-        return False, excluded
-    for _ in range(replans + 1):
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-    return False, excluded
-
-
-def travel__gives_up_too_soon(plan, drive, replans):
-    """yours makes one too few"""
-    return _travelled(plan, drive, replans - 1)
-
-
-def travel__gives_up_too_late(plan, drive, replans):
-    """yours makes one too many"""
-    return _travelled(plan, drive, replans + 1)
-
-
-def travel__tries_once(plan, drive, replans):
-    """yours plans only once"""
-    return _travelled(plan, drive, 0)
 
 
 def travel__drives_on_nothing(plan, drive, replans):
@@ -625,51 +294,6 @@ def travel__right_while_plans_are_left(plan, drive, replans):
     return False, excluded
 
 
-def tally__blames_all(trips):
-    """do not blame them"""
-    return _counted(trips, lambda place, stopped: (True, stopped is None))
-
-
-def tally__blames_what_was_not_tried(trips):
-    """was never tried"""
-    return _counted(trips, lambda place, stopped: (True, stopped is None or place < stopped))
-
-
-def tally__passes_the_last(trips):
-    """was tried, but not passed"""
-    return _counted(trips, lambda place, stopped: (stopped is None or place <= stopped, True))
-
-
-def tally__blames_the_edge_after(trips):
-    """not on the one after it"""
-
-    def judged(place, stopped):
-        arrived = stopped is None
-        return arrived or place <= stopped + 1, arrived or place <= stopped
-
-    return _counted(trips, judged)
-
-
-def tally__blames_the_edge_before(trips):
-    """not on the one before it"""
-
-    def judged(place, stopped):
-        arrived = stopped is None
-        return arrived or place < stopped, arrived or place < stopped - 1
-
-    return _counted(trips, judged)
-
-
-def tally__counts_arrivals_only(trips):
-    """trips that failed count, too"""
-    return _counted([trip for trip in trips if trip[1] is None], _judged)
-
-
-def tally__counts_failures_only(trips):
-    """trips that arrived count, too"""
-    return _counted([trip for trip in trips if trip[1] is not None], _judged)
-
-
 def tally__forgets_the_direction(trips):
     """edges have a direction"""
     found = Counter()
@@ -686,28 +310,18 @@ def tally__remembers_the_last_trip(trips):
     """yours forgets those before"""
     counts = {}
     for trip in trips:
-        counts |= _counted([trip], _judged)
+        counts |= _counted([trip])
     return counts
-
-
-def tally__exchanges_the_numbers(trips):
-    """first how often it was tried"""
-    return {edge: numbers[::-1] for edge, numbers in _counted(trips, _judged).items()}
-
-
-def tally__counts_what_failed(trips):
-    """not how often it failed"""
-    return {edge: (a, a - b) for edge, (a, b) in _counted(trips, _judged).items()}
 
 
 def tally__gives_a_list(trips):
     """return a dictionary with edges as keys"""
-    return list(_counted(trips, _judged).items())
+    return list(_counted(trips).items())
 
 
 def tally__gives_shares(trips):
     """give a tuple of two, (tried, passed)"""
-    return {edge: b / a for edge, (a, b) in _counted(trips, _judged).items()}
+    return {edge: b / a for edge, (a, b) in _counted(trips).items()}
 
 
 def tally__right_with_counters(trips):
@@ -721,18 +335,18 @@ def tally__right_with_counters(trips):
 
 
 def tally__right_step_by_step(trips):
-    return _counted(trips, _judged)
+    return _counted(trips)
 
 
 def _judged(place, stopped):
     return stopped is None or place <= stopped, stopped is None or place < stopped
 
 
-def _counted(trips, judged):
+def _counted(trips):
     counts = {}
     for path, stopped in trips:
         for place, edge in enumerate(pairwise(path), 1):
-            tried, passed = judged(place, stopped)
+            tried, passed = _judged(place, stopped)
             if tried:
                 before = counts.get(edge, (0, 0))
                 counts[edge] = (before[0] + 1, before[1] + int(passed))
@@ -752,12 +366,8 @@ def _travelled(plan, drive, replans, exclude=None):
     return False, excluded
 
 
-def _copied(graph):
-    return {**{v: dict(out) for v, out in graph.items()}, HERE: {}, GOAL: {}}
-
-
 def _joined(graph, from_here, to_goals, p_here, p_goal):
-    joined = _copied(graph)
+    joined = {**{v: dict(out) for v, out in graph.items()}, HERE: {}, GOAL: {}}
     for v, p in from_here.items():
         if p > p_here and v in graph:
             joined[HERE][v] = p
@@ -777,10 +387,6 @@ def _decided(graph, from_here, to_goals, rules):
 
 
 def _best(graph, start, goal):
-    return _dijkstra(graph, start, goal, lambda p: -math.log(p))
-
-
-def _dijkstra(graph, start, goal, cost):
     least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
     while heap:
         reached, _, vertex = heapq.heappop(heap)
@@ -790,7 +396,7 @@ def _dijkstra(graph, start, goal, cost):
         if vertex == goal:
             break
         for other, p in graph[vertex].items():
-            through = reached + cost(p)
+            through = reached - math.log(p)
             if other not in done and through < least.get(other, math.inf):
                 count += 1
                 least[other], before[other] = through, vertex
@@ -821,22 +427,7 @@ def _left(graph, excluded):
     }
 
 
-def _navigated(
-    robot,
-    graph,
-    rules,
-    limits,
-    beside=lambda graph, v: {w for w in graph[v] if v in graph[w]},
-    place=lambda active: active,
-    interval=None,
-    refuses=lambda reason, lost: reason and not lost,
-    allowed=lambda limits: limits.replans,
-    gives_up=lambda searched, limits: searched >= limits.search,
-    fresh=True,
-    forgets=False,
-    around=_left,
-    spared=True,
-):
+def _navigated(robot, graph, rules, limits, interval=None, around=_left, spared=True):
     """A navigator, some of whose rules can be exchanged."""
     path, plans, excluded, searched, lost = None, [], set(), 0, 0
     steps = 0
@@ -845,10 +436,10 @@ def _navigated(
             near, ends = robot.look()
             found = decide__right_in_a_loop(around(graph, excluded), near, ends, rules)
             plans.append(found)
-            if found[0] and refuses(found[2], lost):
+            if found[0] and found[2] and not lost:
                 return "refused", plans, excluded
             path = found[0] or None
-        if path is None and gives_up(searched, limits):
+        if path is None and searched >= limits.search:
             return "gave up", plans, excluded
         steps += 1
         if path is None:
@@ -859,86 +450,20 @@ def _navigated(
         if said == "arrived":
             return said, plans, excluded
         if said == "lost":
-            vertex = path[place(robot.active)]
-            if forgets:
-                excluded = set()
+            vertex = path[robot.active]
             if vertex >= 0 or not spared:
-                excluded = excluded | {vertex} | beside(graph, vertex)
+                beside = {w for w in graph[vertex] if vertex in graph[w]}
+                excluded = excluded | {vertex} | beside
             lost += 1
-            if lost > allowed(limits):
+            if lost > limits.replans:
                 return "gave up", plans, excluded
-            path, searched = None, 0 if fresh else searched
+            path, searched = None, 0
     return "late", plans, excluded
-
-
-def navigate__excludes_only_the_vertex(robot, graph, rules, limits):
-    """exclude the vertices beside it, too"""
-    return _navigated(robot, graph, rules, limits, beside=lambda graph, v: set())
-
-
-def navigate__excludes_all_behind_it(robot, graph, rules, limits):
-    """not all that it leads to"""
-    return _navigated(robot, graph, rules, limits, beside=lambda graph, v: set(graph[v]))
-
-
-def navigate__excludes_what_it_left(robot, graph, rules, limits):
-    """not the one before it"""
-    return _navigated(robot, graph, rules, limits, place=lambda active: active - 1)
-
-
-def navigate__looks_at_each_step(robot, graph, rules, limits):
-    """not at each"""
-    return _navigated(robot, graph, rules, limits, interval=1)
 
 
 def navigate__has_an_interval_of_its_own(robot, graph, rules, limits):
     """is right"""
     return _navigated(robot, graph, rules, limits, interval=10)
-
-
-def navigate__refuses_when_lost(robot, graph, rules, limits):
-    """takes a refused path rather than none"""
-    return _navigated(robot, graph, rules, limits, refuses=lambda reason, lost: reason)
-
-
-def navigate__never_refuses(robot, graph, rules, limits):
-    """yours drives it"""
-    return _navigated(robot, graph, rules, limits, refuses=lambda reason, lost: False)
-
-
-def navigate__allows_one_less(robot, graph, rules, limits):
-    """yours allows one less"""
-    return _navigated(robot, graph, rules, limits, allowed=lambda limits: limits.replans - 1)
-
-
-def navigate__allows_one_more(robot, graph, rules, limits):
-    """yours allows one more"""
-    return _navigated(robot, graph, rules, limits, allowed=lambda limits: limits.replans + 1)
-
-
-def navigate__gives_up_at_once(robot, graph, rules, limits):
-    """yours gives up at once"""
-    return _navigated(robot, graph, rules, limits, gives_up=lambda searched, limits: True)
-
-
-def navigate__never_gives_up(robot, graph, rules, limits):
-    """after limits.search steps of turning"""
-    return _navigated(robot, graph, rules, limits, gives_up=lambda searched, limits: False)
-
-
-def navigate__counts_all_searches(robot, graph, rules, limits):
-    """each search begins anew"""
-    return _navigated(robot, graph, rules, limits, fresh=False)
-
-
-def navigate__forgets_the_first(robot, graph, rules, limits):
-    """not only the last one"""
-    return _navigated(robot, graph, rules, limits, forgets=True)
-
-
-def navigate__plans_on_the_whole_map(robot, graph, rules, limits):
-    """without(graph, excluded)"""
-    return _navigated(robot, graph, rules, limits, around=lambda graph, excluded: graph)
 
 
 def navigate__cuts_the_map(robot, graph, rules, limits):
@@ -1015,22 +540,6 @@ def navigate__right_by_recursion(robot, graph, rules, limits):
     return [ending, plans, excluded]
 
 
-def travel__gives_up_at_the_goal(plan, drive, replans):
-    """when it cannot be reached, replan. Yours gives up"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(excluded)
-        if not path:
-            return False, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] == GOAL:
-            break
-        excluded.add(path[stopped])
-    return False, excluded
-
-
 def travel__blames_the_last_vertex_for_the_goal(plan, drive, replans):
     """Yours excludes the vertex before it"""
     return _travelled(
@@ -1039,65 +548,6 @@ def travel__blames_the_last_vertex_for_the_goal(plan, drive, replans):
         replans,
         lambda path, stopped: {path[stopped] if path[stopped] != GOAL else path[stopped - 1]},
     )
-
-
-def travel__does_not_count_the_goal(plan, drive, replans):
-    """was a plan, too; count it"""
-    excluded, left = set(), replans + 1
-    for _ in range(30):
-        if not left:
-            break
-        path = plan(excluded)
-        if not path:
-            return False, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-            left -= 1
-    return False, excluded
-
-
-def travel__returns_nothing_of_the_excluded(plan, drive, replans):
-    """also on arrival"""
-    arrived, excluded = _travelled(plan, drive, replans)
-    return arrived, set() if arrived else excluded
-
-
-def travel__calls_a_refusal_an_arrival(plan, drive, replans):
-    """return False"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(excluded)
-        if not path:
-            return True, excluded
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-    return False, excluded
-
-
-def tally__turns_edges_round(trips):
-    """yours are turned round"""
-    return {(w, v): both for (v, w), both in _counted(trips, _judged).items()}
-
-
-def tally__counts_an_edge_once_a_trip(trips):
-    """each time counts"""
-    counts = {}
-    for path, stopped in trips:
-        for edge, (_, passed) in _counted([(path, stopped)], _judged).items():
-            before = counts.get(edge, (0, 0))
-            counts[edge] = (before[0] + 1, before[1] + min(passed, 1))
-    return counts
-
-
-def tally__leaves_out_the_ends(trips):
-    """edges from HERE and to GOAL count as well"""
-    return {edge: both for edge, both in _counted(trips, _judged).items() if min(edge) >= 0}
 
 
 def tally__looks_at_the_index_of_the_vertex(trips):
@@ -1112,45 +562,6 @@ def tally__looks_at_the_index_of_the_vertex(trips):
     return counts
 
 
-def decide__drops_all_thresholds(graph, from_here, to_goals, rules):
-    """yours drops every threshold"""
-    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    if path:
-        return path, p, "" if p >= rules.least else "too improbable"
-    path, p = _planned(graph, from_here, to_goals, 0.0, 0.0)
-    return path, p, "not on the map" if path else "no path"
-
-
-def decide__gives_a_second_chance(graph, from_here, to_goals, rules):
-    """the second plan only gives the reason"""
-    path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "" if reason == "not on the map" and p >= rules.least else reason
-
-
-def join_ends__prunes_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """the map's own edges stay"""
-    pruned = {v: {w: p for w, p in out.items() if p > p_here} for v, out in graph.items()}
-    return _joined(pruned, from_here, to_goals, p_here, p_goal)
-
-
-def join_ends__forgets_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """the new graph has the map's edges, too"""
-    return _joined({v: {} for v in graph}, from_here, to_goals, p_here, p_goal)
-
-
-def most_probable_path__gives_the_last_step(graph, start, goal):
-    """that of the last step alone"""
-    path, _ = _best(graph, start, goal)
-    steps = [graph[v][w] for v, w in pairwise(path)]
-    return path, steps[-1] if steps else float(bool(path))
-
-
-def most_probable_path__gives_a_logarithm(graph, start, goal):
-    """that is the logarithm of its probability"""
-    path, p = _best(graph, start, goal)
-    return path, math.log(p) if path else 0.0
-
-
 def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
     order, least = {start: [start]}, {start: 1.0}
     for _ in range(len(graph)):
@@ -1163,77 +574,10 @@ def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
     return tuple(order[goal]), _product(graph, order[goal])
 
 
-def _d(graph, start, goal, cost=lambda p: -math.log(p)):
-    h = [(0.0, start, [start])]
-    seen = set()
-    while h:
-        length, v, path = heapq.heappop(h)
-        if v == goal:
-            return path, math.exp(-length)
-        if v in seen:
-            continue
-        seen.add(v)
-        for w, p in graph[v].items():
-            heapq.heappush(h, (length + cost(p), w, [*path, w]))
-    return [], 0.0
-
-
-def _of_images(images):
-    return {v: max(image.get(v, 0) for image in images) for image in images for v in image}
-
-
-def _ends(graph, from_here, images, p_here, p_goal):
-    joined = {v: dict(out) for v, out in graph.items()}
-    joined[HERE] = {v: p for v, p in from_here.items() if p > p_here and v in graph}
-    joined[GOAL] = {}
-    for image in images:
-        for v, p in image.items():
-            if p > p_goal and v in joined:
-                joined[v][GOAL] = p
-    return joined
-
-
-def _with_ends(graph, from_here, images, p_here, p_goal):
-    return _ends(graph, from_here, [_of_images(images)], p_here, p_goal)
-
-
-def most_probable_path__start_eq_goal_empty(graph, start, goal):
-    """where start and goal are the same vertex, the path is that vertex, with"""
-    if start == goal:
-        return [], 0.0
-    return _d(graph, start, goal)
-
-
 def most_probable_path__zero_int(graph, start, goal):
     """None came back as the path; return a list"""
-    r = _d(graph, start, goal)
+    r = _best(graph, start, goal)
     return r if r[0] else (None, 0)
-
-
-def most_probable_path__log10(graph, start, goal):
-    """the path is right, but with base 10: take math.log and"""
-    path, _ = _d(graph, start, goal)
-    return path, math.exp(sum(math.log10(graph[v][w]) for v, w in pairwise(path))) if path else 0.0
-
-
-def most_probable_path__greedy(graph, start, goal):
-    """yours always takes the best next edge, which may lead to poor ones. Compare"""
-    path = [start]
-    p = 1
-    while path[-1] != goal:
-        nxt = {w: q for w, q in graph[path[-1]].items() if w not in path}
-        if not nxt:
-            return [], 0.0
-        w = max(nxt, key=nxt.get)
-        p *= nxt[w]
-        path.append(w)
-    return path, p
-
-
-def most_probable_path__no_path_prob1(graph, start, goal):
-    """where no path leads to the goal, the probability is"""
-    r = _d(graph, start, goal)
-    return r if r[0] else ([], 1.0)
 
 
 def most_probable_path__raises(graph, start, goal):
@@ -1271,18 +615,6 @@ def most_probable_path__max_heap(graph, start, goal):
     return [], 0.0
 
 
-def join_ends__last_wins_over_old(graph, fh, tg, ph, pg):
-    """of several images that a vertex sees take the highest RE, not that of the last"""
-    j = {v: dict(o) for v, o in graph.items()}
-    j[HERE] = {v: p for v, p in fh.items() if p > ph and v in graph}
-    j[GOAL] = {}
-    for r in tg:
-        for v, p in r.items():
-            if p > pg and v in j:
-                j[v][GOAL] = p
-    return j
-
-
 def join_ends__no_here_key_if_empty(graph, fh, tg, ph, pg):
     """HERE is missing; it is a vertex of the new graph, even with no edges"""
     j = {v: dict(o) for v, o in graph.items()}
@@ -1299,20 +631,14 @@ def join_ends__no_here_key_if_empty(graph, fh, tg, ph, pg):
 
 def join_ends__goal_in_from_here(graph, fh, tg, ph, pg):
     """there must be no edge from HERE to HERE: nothing says so"""
-    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    j = _joined(graph, fh, tg, ph, pg)
     j[HERE][HERE] = 1.0
     return j
 
 
-def join_ends__weights(graph, fh, tg, ph, pg):
-    """edges hold RE here; -log RE is taken by the"""
-    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
-    return {v: {w: -math.log(max(p, 1e-12)) for w, p in o.items()} for v, o in j.items()}
-
-
 def join_ends__drops_dead_ends(graph, fh, tg, ph, pg):
     """vertex 4 is missing, which was on the map"""
-    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    j = _joined(graph, fh, tg, ph, pg)
     return {v: o for v, o in j.items() if o or v in (HERE, GOAL)}
 
 
@@ -1323,7 +649,7 @@ def join_ends__one_best_only(graph, fh, tg, ph, pg):
         v = max(t, key=t.get) if t else None
         if v is not None:
             best[v] = max(t[v], best.get(v, 0))
-    return _ends(graph, fh, [best], ph, pg)
+    return _joined(graph, fh, [best], ph, pg)
 
 
 def join_ends__strings(graph, fh, tg, ph, pg):
@@ -1334,17 +660,9 @@ def join_ends__strings(graph, fh, tg, ph, pg):
     return j
 
 
-def decide__least_first(graph, fh, tg, r):
-    """no path at all is not too improbable: is there a path? That comes"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
-    if p < r.least:
-        return path, p, "too improbable"
-    return path, p, ""
-
-
 def decide__not_on_map_goal_seen(graph, fh, tg, r):
     """yours returns 'not on the map', path [] with 0; 'not on the map', path [-1, 0,"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    path, p = _planned(graph, fh, tg, r.p_query, r.p_goal)
     if path:
         return path, p, "" if p >= r.least else "too improbable"
     if all(q <= r.p_goal for t in tg for q in t.values()):
@@ -1352,50 +670,10 @@ def decide__not_on_map_goal_seen(graph, fh, tg, r):
     return [], 0.0, "no path"
 
 
-def decide__swap_words(graph, fh, tg, r):
-    """the two reasons are exchanged: a path with rules.p_query means not on the"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
-    if path:
-        return path, p, "" if p >= r.least else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    return path, p, "no path" if path else "not on the map"
-
-
-def decide__pquery_both_pgoal(graph, fh, tg, r):
-    """yours returns 'not on the map', path [-1, 0, 1, 2, -2] with 0.922; 'start',"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_goal, r.p_query), HERE, GOAL)
-    if path:
-        return path, p, "" if p >= r.least else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    return path, p, "not on the map" if path else "no path"
-
-
-def decide__second_least(graph, fh, tg, r):
-    """where the second plan finds a path, the reason is not on the map, however"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
-    if path:
-        return path, p, "" if p >= r.least else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    if path and p < r.least:
-        return path, p, "too improbable"
-    return path, p, "not on the map" if path else "no path"
-
-
 def decide__none_reason(graph, fh, tg, r):
     """the reason None came back; give one"""
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    path, p = _planned(graph, fh, tg, r.p_query, r.p_goal)
     return path, p, None if p >= r.least else "too improbable"
-
-
-def decide__prob_of_edge_min(graph, fh, tg, r):
-    """rules.least is for the whole path, not for each of its"""
-    j = _with_ends(graph, fh, tg, r.p_query, r.p_goal)
-    path, p = _d(j, HERE, GOAL)
-    if path:
-        ok = all(j[v][w] >= r.least for v, w in pairwise(path))
-        return path, p, "" if ok else "too improbable"
-    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
-    return path, p, "not on the map" if path else "no path"
 
 
 def travel__truthy(plan, drive, replans):
@@ -1421,21 +699,6 @@ def travel__drive_twice(plan, drive, replans):
             return True, ex
         s = drive(path)
         if s is not None and path[s] != GOAL:
-            ex.add(path[s])
-    return False, ex
-
-
-def travel__none_on_refusal(plan, drive, replans):
-    """yours plans 6 times, but once is right: there may be 5 replans"""
-    ex = set()
-    for _ in range(replans + 1):
-        path = plan(ex)
-        if not path:
-            continue
-        s = drive(path)
-        if s is None:
-            return True, ex
-        if path[s] != GOAL:
             ex.add(path[s])
     return False, ex
 
@@ -1466,17 +729,6 @@ def tally__bool_list(trips):
     for path, stopped in trips:
         for i, e in enumerate(pairwise(path), 1):
             c.setdefault(e, []).append(stopped is None or i < stopped)
-    return c
-
-
-def tally__zero_tried(trips):
-    """edge"""
-    c = {}
-    for path, stopped in trips:
-        for i, e in enumerate(pairwise(path), 1):
-            t, p = c.get(e, (0, 0))
-            s = stopped if stopped is not None else 99
-            c[e] = (t + (i <= s), p + (i < s))
     return c
 
 
@@ -1527,29 +779,12 @@ def tally__mutates(trips):
 
 def decide__right_with_a_helper(graph, from_here, to_goals, rules):
     def planned(p_goal):
-        joined = _with_ends(graph, from_here, to_goals, rules.p_query, p_goal)
-        return _best(joined, HERE, GOAL)
+        return _planned(graph, from_here, to_goals, rules.p_query, p_goal)
 
     sure, doubtful = planned(rules.p_goal), planned(rules.p_query)
     if sure[0]:
         return (*sure, ("too improbable", "")[sure[1] >= rules.least])
     return [*doubtful, "not on the map" if doubtful[0] else "no path"]
-
-
-def most_probable_path__a_few_rounds(graph, start, goal):
-    """a few rounds over all edges are not enough"""
-    found, before = {start: 1.0}, {}
-    for _ in range(3):
-        for v in graph:
-            for w, p in graph[v].items():
-                if found.get(v, 0.0) * p > found.get(w, 0.0):
-                    found[w], before[w] = found[v] * p, v
-    if goal not in found:
-        return [], 0.0
-    path = [goal]
-    while path[-1] != start:
-        path.append(before[path[-1]])
-    return path[::-1], found[goal]
 
 
 def travel__lists_what_is_excluded(plan, drive, replans):
@@ -1567,62 +802,6 @@ def travel__lists_what_is_excluded(plan, drive, replans):
     return False, set(excluded)
 
 
-def travel__starts_anew(plan, drive, replans):
-    """the set lives outside of the loop"""
-    for _ in range(replans + 1):
-        excluded = set()
-        path = plan(excluded)
-        if not path:
-            break
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] != GOAL:
-            excluded.add(path[stopped])
-    return False, excluded
-
-
-def _driven_by(robot, graph, rules, limits, fresh=None, last_look=True):
-    """The navigator, with another rule of refusing, and with or without a last look."""
-    path, turned, lost, excluded, plans = [], 0, 0, set(), []
-    for _ in range(limits.steps):
-        if not path and not last_look and turned == limits.search:
-            return "gave up", plans, excluded
-        if not path and turned % limits.interval == 0:
-            left = without(graph, excluded)
-            plans.append(check_decide.reference(left, *robot.look(), rules))
-            path, _, reason = plans[-1]
-            if path and reason and (fresh(excluded) if fresh else not lost):
-                return "refused", plans, excluded
-        if not path:
-            if turned == limits.search:
-                return "gave up", plans, excluded
-            robot.turn()
-            turned += 1
-            continue
-        state = robot.follow(path)
-        if state == "arrived":
-            return "arrived", plans, excluded
-        if state == "lost":
-            vertex = path[robot.active]
-            if vertex != GOAL:
-                excluded |= {vertex, *(w for w in graph[vertex] if vertex in graph[w])}
-            lost, path, turned = lost + 1, [], 0
-            if lost > limits.replans:
-                return "gave up", plans, excluded
-    return "late", plans, excluded
-
-
-def navigate__refuses_after_the_goal(robot, graph, rules, limits):
-    """not whether anything is excluded"""
-    return _driven_by(robot, graph, rules, limits, fresh=lambda excluded: not excluded)
-
-
-def navigate__gives_up_before_the_last_look(robot, graph, rules, limits):
-    """where a look is due, it comes before giving up"""
-    return _driven_by(robot, graph, rules, limits, last_look=False)
-
-
 # Ties, small values, the last step, vertex 0
 
 
@@ -1637,28 +816,6 @@ def join_ends__shares_what_it_does_not_change(graph, from_here, to_goals, p_here
     """the new graph shares inner dictionaries with the map"""
     joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
     return {v: graph[v] if graph.get(v) == out else out for v, out in joined.items()}
-
-
-def decide__rounds(graph, from_here, to_goals, rules):
-    """compare the probability as it is, not rounded"""
-    path, p, reason = check_decide.reference(graph, from_here, to_goals, rules)
-    starts = reason == "too improbable" and round(p, 2) >= rules.least
-    return path, p, "" if starts else reason
-
-
-def travel__knows_no_vertex_0(plan, drive, replans):
-    """vertex 0 is a vertex of the map like the others"""
-    excluded = set()
-    for _ in range(replans + 1):
-        path = plan(set(excluded))
-        if not path:
-            break
-        stopped = drive(path)
-        if stopped is None:
-            return True, excluded
-        if path[stopped] > 0:
-            excluded.add(path[stopped])
-    return False, excluded
 
 
 def navigate__wastes_the_last_step(robot, graph, rules, limits):

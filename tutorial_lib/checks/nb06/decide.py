@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb06.decide_cases import CASES, RULES
-from tutorial_lib.checks.nb06.graphs import (
-    GOAL,
-    HERE,
-    Found,
-    Graph,
-    Vertex,
-    most_probable_path,
-    random_graph,
-)
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.join_ends import join_ends
+from tutorial_lib.checks.nb06.most_probable_path import Found, most_probable_path
 from tutorial_lib.checks.nb06.untouched import number, untouched, vertices
 from tutorial_lib.topology.planner import DijkstraPlanner
 
@@ -47,223 +40,145 @@ def decide(
         join_ends: adds the edges of both ends.
         most_probable_path: plans.
     """
-    parts = join_ends, most_probable_path
-    return _decided(graph, from_here, to_goals, rules, parts=parts)
+    sure = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    path, p = most_probable_path(sure, HERE, GOAL)
+    if path:
+        return path, p, "" if p >= rules.least else "too improbable"
+    doubtful = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    path, p = most_probable_path(doubtful, HERE, GOAL)
+    return path, p, "not on the map" if path else "no path"
 
 
-def _decided(
-    graph: Graph,
-    from_here: Mapping[Vertex, float],
-    to_goals: Sequence[Mapping[Vertex, float]],
-    rules: DijkstraPlanner,
-    fault: str = "",
-    parts: tuple[Callable[..., Graph], Callable[..., Found]] = (join_ends, most_probable_path),
-) -> Decision:
-    """The decision, with a `fault` if one is named."""
-    if fault in _BY_OTHER_RULES:
-        return _BY_OTHER_RULES[fault](graph, from_here, to_goals, rules)
-
-    def found(p_goal: float) -> tuple[list[Vertex], float]:
-        p_here = rules.p_goal if fault == "p_goal from here" else rules.p_query
-        p_here = 0.0 if p_goal == 0.0 else p_here  # the fault "no threshold"
-        joined = parts[0](graph, from_here, to_goals, p_here, p_goal)
-        path, probability = parts[1](joined, HERE, GOAL)
-        if fault == "last step" and path:
-            return path, joined[path[-2]][GOAL]
-        return path, probability
-
-    if fault == "constants":
-        rules = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
-
-    def joined_edges(path: list[Vertex]) -> list[float]:
-        joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-        return [joined[v][w] for v, w in pairwise(path)]
-
-    path, probability = found(rules.p_query if fault in ("trusts", "asks last") else rules.p_goal)
-    if fault == "asks last" and path and len(path) > 1:
-        edge = max(reach.get(path[-2], 0.0) for reach in to_goals)
-        if edge <= rules.p_goal:
-            return path, probability, "not on the map"
-    if path or fault == "least first":
-        enough = probability >= rules.least or fault == "dares"
-        if fault == "each edge":
-            enough = min(joined_edges(path)) >= rules.least
-        if fault == "strict":
-            enough = probability > rules.least
-        if fault == "rounded":
-            enough = round(probability, 2) >= rules.least
-        if fault == "weakest" and path:
-            probability = min(joined_edges(path))
-            enough = probability >= rules.least
-        if fault == "path of the second plan" and not enough:
-            path, probability = found(rules.p_query)
-        if fault == "p_goal for all":
-            enough = probability > rules.p_goal
-        if not enough and fault == "empty":
-            return [], 0.0, "too improbable"
-        return path, probability, "" if enough else "too improbable"
-    if fault == "never why":
-        return [], 0.0, "no path"
-    path, probability = found(0.0 if fault == "no threshold" else rules.p_query)
-    if fault == "second chance" and path and probability >= rules.least:
-        return path, probability, ""
-    if fault == "seen somewhere" and any(
-        p > rules.p_goal for reach in to_goals for p in reach.values()
-    ):
-        return path, probability, "no path"
-    reason = "not on the map" if path or fault == "always unknown" else "no path"
-    if fault == "exchanged":
-        reason = "no path" if path else "not on the map"
-    if fault == "improbable, too" and path and probability < rules.least:
-        reason = "too improbable"
-    return ([], 0.0, reason) if fault == "empty" else (path, probability, reason)
+def _random_case(seed: int) -> tuple[Any, ...]:
+    """A map of eight vertices, and rules of all kinds."""
+    rng = np.random.default_rng(seed)
+    seen, image = rng.uniform(0.2, 1.0, (2, 8)).round(2).tolist()
+    least, query = rng.uniform(0.1, 0.7, 2).round(2).tolist()
+    rules = DijkstraPlanner(least, query, round(float(rng.uniform(query, 1.0)), 2))
+    return random_graph(8, 1, seed), dict(enumerate(seen[:3])), [dict(enumerate(image))], rules
 
 
-def _planned(graph: Graph, *case: Any) -> Found:  # noqa: ANN401
-    return most_probable_path(join_ends(graph, *case), HERE, GOAL)
-
-
-def _otherwise(
-    first: tuple[str, str], second: tuple[str, str] = ("p_query", "p_query"), again: bool = False
-) -> Callable[..., Decision]:
-    """The decision by other thresholds at both ends; with `again`, least decides on a new plan."""
-
-    def rule(graph: Graph, here: Any, goals: Any, rules: DijkstraPlanner) -> Decision:  # noqa: ANN401
-        pairs = [[getattr(rules, name, 0.0) for name in names] for names in (first, second)]
-        path, p = _planned(graph, here, goals, *pairs[0])
-        if path and (p >= rules.least or not again):
-            return path, p, "" if p >= rules.least else "too improbable"
-        path, p = _planned(graph, here, goals, *pairs[1])
-        return path, p, "not on the map" if path else "no path"
-
-    return rule
-
-
-def _emptied(*reasons: str) -> Callable[..., Decision]:
-    """The decision without the path, for some reasons."""
-
-    def rule(*case: Any) -> Decision:  # noqa: ANN401
-        path, p, reason = decide(*case)
-        return ([], 0.0, reason) if reason in reasons else (path, p, reason)
-
-    return rule
-
-
-_USUAL = "p_query", "p_goal"
-_BY_OTHER_RULES: dict[str, Callable[..., Decision]] = {
-    "goal at both": _otherwise(("p_goal", "p_goal")),
-    "ends exchanged": _otherwise(("p_goal", "p_query")),
-    "again": _otherwise(_USUAL, again=True),
-    "anything to the goal": _otherwise(_USUAL, ("p_query", "none")),
-    "goal from here again": _otherwise(_USUAL, ("p_goal", "p_query")),
-    "no second path": _emptied("not on the map"),
-    "no improbable path": _emptied("too improbable"),
-    "refused without path": lambda *case: (
-        ([], *decide(*case)[1:]) if decide(*case)[2] == "too improbable" else decide(*case)
-    ),
-    "refused without probability": lambda *case: (
-        (decide(*case)[0], 0.0, "too improbable")
-        if decide(*case)[2] == "too improbable"
-        else decide(*case)
-    ),
-    "first image": lambda graph, here, goals, rules: decide(graph, here, goals[:1], rules),
-    "never directly": lambda graph, here, goals, rules: decide(
-        graph, here, [{v: p for v, p in image.items() if v != HERE} for image in goals], rules
-    ),
-    "p_query is 0.5": lambda graph, here, goals, rules: decide(
-        graph, here, goals, DijkstraPlanner(rules.least, 0.5, rules.p_goal)
-    ),
-    "p_goal is 0.985": lambda graph, here, goals, rules: decide(
-        graph, here, goals, DijkstraPlanner(rules.least, rules.p_query, 0.985)
-    ),
-    "inner path": lambda *case: (decide(*case)[0][1:-1], *decide(*case)[1:]),
-    "half": lambda graph, here, goals, rules: decide(
-        graph, here, goals, DijkstraPlanner(0.5, rules.p_query, rules.p_goal)
-    ),
-}
-
-
-_FAULTS = {
-    "yours starts towards a goal that no vertex reaches with more than rules.p_goal; compare the "
-    "edges to the goal with it, not the path": "trusts",
-    "plan with edges to the goal above rules.p_goal first. Yours plans with all of them, and "
-    "refuses where the best path ends with a doubtful one although a surer one leads there": (
-        "asks last"
-    ),
-    "p_goal is for the edges to the goal; from here rules.p_query is enough": "p_goal from here",
-    "from here rules.p_query is enough in the first plan, too; rules.p_goal is for the edges to "
-    "the goal": "goal at both",
-    "from here rules.p_query, to the goal rules.p_goal; yours exchanges them": "ends exchanged",
-    "a path that is too improbable is the end; plan again only where there is none": "again",
-    "in the second plan RE to the goal must be above rules.p_query as well": (
-        "anything to the goal"
-    ),
-    "in the second plan rules.p_query counts at both ends, from here as well": (
-        "goal from here again"
-    ),
-    "return the path of the second plan and its probability, though the robot refuses": (
-        "no second path"
-    ),
-    "return a path that is too improbable, and its probability, all the same": (
-        "no improbable path"
-    ),
-    "the path leads from HERE to GOAL; both belong to it": "inner path",
-    "rules.least is not always 0.5": "half",
-    "rules.p_query is not always 0.5": "p_query is 0.5",
-    "rules.p_goal is not always 0.985": "p_goal is 0.985",
-    "return the path also where it is too improbable: the user may overrule it": (
-        "refused without path"
-    ),
-    "return the probability also where it is too low: the user wants to see it": (
-        "refused without probability"
-    ),
-    "where the first plan is too improbable, its own path and probability are returned": (
-        "path of the second plan"
-    ),
-    "compare the probability as it is, not rounded, with rules.least": "rounded",
-    "the probability of a path is the product of its edges, not the weakest of them": "weakest",
-    "all goal images count; yours looks at the first only": "first image",
-    "the goal may be in sight: the edge from HERE to GOAL is a path as well": "never directly",
-    "a path that is less probable than rules.least is too improbable": "dares",
-    "exactly rules.least is enough": "strict",
-    "the thresholds stand in rules, and are not always the same: rules.p_query, rules.p_goal and "
-    "rules.least": "constants",
-    "plan again with rules.p_query at both ends; yours drops every threshold": "no threshold",
-    "the two reasons are exchanged: a path with rules.p_query means not on the map": "exchanged",
-    "where the second plan finds a path, the reason is not on the map, however improbable it is": (
-        "improbable, too"
-    ),
-    "rules.least is for the whole path, not for each of its edges": "each edge",
-    "no path at all is not too improbable: is there a path? That comes first": "least first",
-    "the second plan only gives the reason: with edges to the goal below rules.p_goal the robot "
-    "does not start, however probable the path is": "second chance",
-    "the whole path must have rules.least, not rules.p_goal; that is for the edges to the goal": (
-        "p_goal for all"
-    ),
-    "return the probability of the whole path, not only that of its last step": "last step",
-    "there is a path to a vertex from which RE to the goal is doubtful; return the reason: not on "
-    "the map": ("never why"),
-    "there is no path with rules.p_goal; the reason depends on whether there is one with "
-    "rules.p_query, wherever the goal is seen": "seen somewhere",
-    "where even with rules.p_query there is no path, the reason is no path": "always unknown",
-    "return the path and its probability also when the robot refuses": "empty",
-}
-
-
-@check(decide, (random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], RULES))
-def check_decide(student: Callable[..., Any]) -> None:
-    """Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds."""
-    faults = with_faults(_decided, _FAULTS)
-    compare(
-        "decide",
-        student,
-        CASES,
-        decide,
-        faults,
-        invoke=partial(untouched, names=["graph", "from_here", "to_goals", "rules"]),
-        form=_decision,
-        difference=_unlike,
-    )
+_RULES = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
+_OTHER = DijkstraPlanner(least=0.8, p_query=0.6, p_goal=0.9)
+_LONG: Graph = {v: {v + 1: 0.9} for v in range(8)} | {8: {}}
+_APART: Graph = {0: {}, 1: {}}
+_FORK: Graph = {0: {1: 0.99, 2: 0.9}, 1: {}, 2: {}}
+_HALF: Graph = {0: {1: 0.5}, 1: {}}
+CASES: dict[str, tuple[Any, ...]] = {
+    "a goal of this map": (SMALL_MAP, {0: 0.95}, [{2: 0.99}], _RULES),
+    "a goal in another building": (SMALL_MAP, {0: 0.95}, [{2: 0.9, 3: 0.97}], _RULES),
+    "a long path": (_LONG, {0: 0.99}, [{8: 0.99}], _RULES),
+    "two ends of the path": (_FORK, {0: 0.99}, [{1: 0.98, 2: 0.99}], _RULES),
+    "exactly as probable as needed": (_HALF, {0: 1.0}, [{1: 1.0}], _RULES),
+    "the map is not reached from here": (SMALL_MAP, {0: 0.4}, [{2: 0.99}], _RULES),
+    "the goal is not reached from the map": (SMALL_MAP, {0: 0.95}, [{2: 0.3}], _RULES),
+    "a long path to a goal in another building": (_LONG, {0: 0.99}, [{8: 0.9}], _RULES),
+    "no path to where it is seen": (_APART, {0: 0.9}, [{0: 0.6, 1: 0.99}], _RULES),
+    "the goal is in sight": (SMALL_MAP, {0: 0.95}, [{HERE: 0.999, 2: 0.99}], _RULES),
+    "other rules": (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER),
+    "other rules, a goal in another building": (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER),
+    "too improbable by other rules": (SMALL_MAP, {0: 0.7}, [{2: 0.95}], _OTHER),
+    "daring rules": (_LONG, {0: 0.6}, [{8: 0.9}], DijkstraPlanner(0.1, 0.3, 0.5)),
+    "seen by two images": (SMALL_MAP, {0: 0.95}, [{2: 0.9}, {3: 0.99}], _RULES),
+    "RE to the goal equals p_goal": (SMALL_MAP, {0: 0.95}, [{2: 0.985}], _RULES),
+    "RE from here equals p_query": (SMALL_MAP, {0: 0.5}, [{2: 0.99}], _RULES),
+    "RE to the goal equals p_query": (SMALL_MAP, {0: 0.95}, [{2: 0.5}], _RULES),
+    "only in sight": ({}, {}, [{HERE: 0.99}], _RULES),
+    "doubtfully in sight": ({}, {}, [{HERE: 0.9}], _RULES),
+    "an empty map": ({}, {}, [{}], _RULES),
+    "nearly as probable as needed": ({0: {1: 0.4999}, 1: {}}, {0: 1.0}, [{1: 1.0}], _RULES),
+    "seen by the second image alone": (SMALL_MAP, {0: 0.95}, [{}, {2: 0.99}], _RULES),
+    "surely there, over a doubtful edge": (_HALF, {0: 0.9}, [{1: 0.99}], _RULES),
+} | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(10)}
+MISTAKES = """
+yours starts towards a goal that no vertex reaches with more than rules.p_goal; compare the edges to
+the goal with it, not the path
+    rules.p_query, rules.p_goal) -> rules.p_query, rules.p_query)
+plan with edges to the goal above rules.p_goal first. Yours plans with all of them, and refuses
+where the best path ends with a doubtful one although a surer one leads there
+    rules.p_query, rules.p_goal) -> rules.p_query, rules.p_query)
+    path, p, "" if -> path, p, "not on the map" if sure[path[-2]][GOAL] <= rules.p_goal else "" if
+p_goal is for the edges to the goal; from here rules.p_query is enough
+    rules.p_query, rules.p_goal) -> rules.p_goal, rules.p_goal)
+    rules.p_query, rules.p_query) -> rules.p_goal, rules.p_query)
+from here rules.p_query is enough in the first plan, too; rules.p_goal is for the edges to the goal
+    rules.p_query, rules.p_goal) -> rules.p_goal, rules.p_goal)
+from here rules.p_query, to the goal rules.p_goal; yours exchanges them
+    rules.p_query, rules.p_goal) -> rules.p_goal, rules.p_query)
+a path that is too improbable is the end; plan again only where there is none
+    if path: -> if path and p >= rules.least:
+in the second plan RE to the goal must be above rules.p_query as well
+    rules.p_query, rules.p_query) -> rules.p_query, 0.0)
+in the second plan rules.p_query counts at both ends, from here as well
+    rules.p_query, rules.p_query) -> rules.p_goal, rules.p_query)
+return the path of the second plan and its probability, though the robot refuses
+    path, p, "not -> [], 0.0, "not
+return a path that is too improbable, and its probability, all the same
+    path, p, "" if -> *((path, p) if p >= rules.least else ([], 0.0)), "" if
+the path leads from HERE to GOAL; both belong to it
+    path, p, "" if -> path[1:-1], p, "" if
+    path, p, "not -> path[1:-1], p, "not
+rules.least is not always 0.5
+    p >= rules.least -> p >= 0.5
+rules.p_query is not always 0.5
+    sure = -> rules = DijkstraPlanner(rules.least, 0.5, rules.p_goal); sure =
+rules.p_goal is not always 0.985
+    rules.p_goal) -> 0.985)
+return the path also where it is too improbable: the user may overrule it
+    path, p, "" if -> path if p >= rules.least else [], p, "" if
+return the probability also where it is too low: the user wants to see it
+    path, p, "" if -> path, p if p >= rules.least else 0.0, "" if
+where the first plan is too improbable, its own path and probability are returned
+    sure, HERE, GOAL) -> sure, HERE, GOAL); first = path
+    if path: -> if path and p >= rules.least:
+    "not on the map" if path -> "too improbable" if first else "not on the map" if path
+compare the probability as it is, not rounded, with rules.least
+    p >= rules.least -> round(p, 2) >= rules.least
+the probability of a path is the product of its edges, not the weakest of them
+    sure, HERE, GOAL)
+        -> sure, HERE, GOAL); p = min((sure[v][w] for v, w in zip(path, path[1:])), default=p)
+all goal images count; yours looks at the first only
+    sure = -> to_goals = to_goals[:1]; sure =
+the goal may be in sight: the edge from HERE to GOAL is a path as well
+    sure = -> to_goals = [{v: p for v, p in r.items() if v != HERE} for r in to_goals]; sure =
+a path that is less probable than rules.least is too improbable
+    p >= rules.least -> True
+exactly rules.least is enough
+    p >= rules.least -> p > rules.least
+the thresholds stand in rules, and are not always the same: rules.p_query, rules.p_goal and
+rules.least
+    sure = -> rules = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985); sure =
+plan again with rules.p_query at both ends; yours drops every threshold
+    rules.p_query, rules.p_query) -> 0.0, 0.0)
+the two reasons are exchanged: a path with rules.p_query means not on the map
+    if path else -> if not path else
+where the second plan finds a path, the reason is not on the map, however improbable it is
+    "not on the map" if path
+        -> "too improbable" if path and p < rules.least else "not on the map" if path
+rules.least is for the whole path, not for each of its edges
+    p >= rules.least -> min(sure[v][w] for v, w in zip(path, path[1:])) >= rules.least
+no path at all is not too improbable: is there a path? That comes first
+    if path: -> if True:
+the second plan only gives the reason: with edges to the goal below rules.p_goal the robot does not
+start, however probable the path is
+    "not on the map" if path -> "" if p >= rules.least else "not on the map" if path
+the whole path must have rules.least, not rules.p_goal; that is for the edges to the goal
+    p >= rules.least -> p > rules.p_goal
+return the probability of the whole path, not only that of its last step
+    sure, HERE, GOAL) -> sure, HERE, GOAL); p = sure[path[-2]][GOAL] if path else p
+    doubtful, HERE, GOAL) -> doubtful, HERE, GOAL); p = doubtful[path[-2]][GOAL] if path else p
+there is a path to a vertex from which RE to the goal is doubtful; return the reason: not on the map
+    path, p, "not on the map" if path else -> [], 0.0,
+there is no path with rules.p_goal; the reason depends on whether there is one with rules.p_query,
+wherever the goal is seen
+    "not on the map" if path
+        -> "not on the map" if path and max(p for r in to_goals for p in r.values()) <= rules.p_goal
+where even with rules.p_query there is no path, the reason is no path
+    "not on the map" if path else "no path" -> "not on the map"
+return the path and its probability also when the robot refuses
+    path, p, "" if -> *((path, p) if p >= rules.least else ([], 0.0)), "" if
+    path, p, "not -> [], 0.0, "not
+"""
 
 
 def _decision(what: str, got: Any, graph: Graph, *_: object) -> Decision:  # noqa: ANN401
@@ -303,3 +218,17 @@ def _unlike(
     if got[2] == want[2] and got[0] == want[0]:
         why = "the probability is that of the whole path"
     return f"yours returns {shown[0]}; {shown[1]} is right: {why}"
+
+
+check_decide = exercise(
+    decide,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds.",
+    example=case(random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES),
+    calls=10,  # as for most_probable_path, which it calls
+    invoke=partial(untouched, names=["graph", "from_here", "to_goals", "rules"]),
+    form=_decision,
+    difference=_unlike,
+)

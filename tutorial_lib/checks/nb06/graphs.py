@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from itertools import pairwise
 from typing import Any
 
-import networkx as nx
 import numpy as np
-
-from tutorial_lib.topology.mapping.edge_rules import weight
 
 Vertex = Any
 Graph = dict[Vertex, dict[Vertex, float]]
 """For each vertex, those that an edge leads to, with RE."""
-Found = tuple[list[Vertex], float]
-"""Vertices from start to goal, and the probability that all steps succeed."""
 
 HERE, GOAL = -1, -2
 """Vertices that are not on the map: the current observation, and the goal image."""
@@ -31,30 +24,6 @@ BY_HAND: Graph = {
 }
 """A small graph, to plan on with a pencil."""
 SMALL_MAP: Graph = {0: {1: 0.99, 3: 0.995}, 1: {2: 0.99}, 2: {3: 0.992}, 3: {0: 0.993}, 4: {}}
-
-
-def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Found:
-    """The most probable path over a graph, and its probability; [] and 0 where there is none.
-
-    Args:
-        graph: for each vertex, those that an edge leads to, with RE.
-        start: a vertex.
-        goal: a vertex.
-    """
-    drawn = nx.DiGraph()
-    drawn.add_nodes_from(graph)
-    edges = ((v, w, float(weight(p))) for v, out in graph.items() for w, p in out.items())
-    drawn.add_weighted_edges_from(edges)
-    try:
-        path = nx.dijkstra_path(drawn, start, goal)
-    except nx.NetworkXNoPath:
-        return [], 0.0
-    return path, probability_of(graph, path)
-
-
-def probability_of(graph: Graph, path: list[Vertex]) -> float:
-    """The product of RE along a path."""
-    return math.prod(graph[v][w] for v, w in pairwise(path))
 
 
 def random_graph(count: int, degree: int, seed: int) -> Graph:

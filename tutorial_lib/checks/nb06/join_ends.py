@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
+import math  # noqa: F401 - edits of the rule use it
 from collections.abc import Callable, Mapping, Sequence
 from inspect import signature
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import number, untouched
@@ -32,89 +32,18 @@ def join_ends(
         p_here: above which there is an edge from here.
         p_goal: above which there is an edge to the goal.
     """
-    return _joined(graph, from_here, to_goals, p_here, p_goal)
-
-
-def _joined(
-    graph: Graph,
-    from_here: Mapping[Vertex, float],
-    to_goals: Sequence[Mapping[Vertex, float]],
-    p_here: float,
-    p_goal: float,
-    fault: str = "",
-) -> Graph:
-    """The graph, with a `fault` if one is named."""
-    if fault == "exchanged":
-        p_here, p_goal = p_goal, p_here
-    p_here = p_goal if fault == "p_goal only" else p_here
-    p_goal = p_here if fault == "p_here only" else p_goal
-    joined = {v: dict(out) for v, out in graph.items()}
-    if fault == "prunes":
-        joined = {v: {w: p for w, p in out.items() if p > p_here} for v, out in graph.items()}
-    if fault == "no map":
-        joined = {v: {} for v in graph}
-    joined |= {HERE: {}, GOAL: {}}
-
-    def connect(v: Vertex, w: Vertex, p: float, least: float) -> None:
-        turned = {"backwards": True, "goal backwards": w == GOAL, "here backwards": w != GOAL}
-        if turned.get(fault, False):
-            v, w = w, v
-        if fault == "p_here in sight" and v == HERE:
-            least = p_here
-        even = {"equal": True, "equal from here": w != GOAL, "equal to the goal": w == GOAL}
-        enough = p >= least if even.get(fault, False) else p > least or fault == "all"
-        if ((v in joined and w in joined) or fault == "ghosts") and enough:
-            joined.setdefault(v, {})[w] = -math.log(p) if fault == "new weights" else p
-            if fault == "both ways" and w != GOAL:
-                joined[w][v] = p
-
-    seen = from_here
-    if fault == "best start":
-        seen = dict(sorted(from_here.items(), key=lambda item: item[1])[-1:])
-    for vertex, probability in seen.items():
-        connect(HERE, vertex, probability, p_here)
+    joined = {v: dict(out) for v, out in graph.items()} | {HERE: {}, GOAL: {}}
+    for v, p in from_here.items():
+        if v in graph and p > p_here:
+            joined[HERE][v] = p
     reach: dict[Vertex, list[float]] = {}
-    if fault == "goal from here":
-        to_goals = [from_here]
-    for image in to_goals[:1] if fault == "first image" else to_goals:
-        for vertex, probability in image.items():
-            reach.setdefault(vertex, []).append(probability)
-    combine: dict[str, Callable[[list[float]], float]] = {
-        "last": lambda p: p[-1],
-        "first": lambda p: p[0],
-        "least of all": min,
-        "any": lambda p: 1.0 - math.prod(1.0 - q for q in p),
-        "any above": lambda p: 1.0 - math.prod(1.0 - q for q in p) if max(p) > p_goal else 0.0,
-        "every": lambda p: max(p) if len(p) == len(to_goals) and min(p) > p_goal else 0.0,
-        "last above": lambda p: next((q for q in reversed(p) if q > p_goal), 0.0),
-        "first above": lambda p: next((q for q in p if q > p_goal), 0.0),
-        "least": lambda p: min(p) if len(p) == len(to_goals) else 0.0,
-        "mean": lambda p: sum(p) / len(p),
-        "product": math.prod,
-    }
-    if fault == "best only" and reach:
-        best = max(reach, key=lambda v: max(reach[v]))
-        reach = {best: reach[best]}
-    for vertex, probabilities in reach.items():
-        if (fault == "not directly") == (vertex == HERE) and fault.endswith("directly"):
-            continue
-        connect(vertex, GOAL, combine.get(fault, max)(probabilities), p_goal)
-    if fault == "vertex 0":
-        joined[HERE].pop(0, None)
-        joined.get(0, {}).pop(GOAL, None)
-    if fault == "vertex 0 from here":
-        joined[HERE].pop(0, None)
-    if fault == "vertex 0 to the goal":
-        joined.get(0, {}).pop(GOAL, None)
-    if fault == "ones":
-        joined = {
-            v: {w: p if v != HERE and w != GOAL else 1.0 for w, p in out.items()}
-            for v, out in joined.items()
-        }
-    if fault == "weights":
-        return {
-            v: {w: -math.log(max(p, 1e-12)) for w, p in out.items()} for v, out in joined.items()
-        }
+    for image in to_goals:
+        for v, p in image.items():
+            reach.setdefault(v, []).append(p)
+    for v, every in reach.items():
+        p = max(every)
+        if v in joined and p > p_goal:
+            joined[v][GOAL] = p
     return joined
 
 
@@ -129,7 +58,7 @@ def _random_case(seed: int) -> tuple[Any, ...]:
 
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
 _TO = {2: 0.99, 3: 0.5, 4: 0.985, 0: 0.1}
-_CASES: dict[str, tuple[Any, ...]] = {
+CASES: dict[str, tuple[Any, ...]] = {
     "one goal image": (SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
     "one threshold": (SMALL_MAP, _FROM, [_TO], 0.4, 0.4),
     "the goal is in sight": (SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6),
@@ -172,80 +101,93 @@ _CASES: dict[str, tuple[Any, ...]] = {
     ),
     "vertex 0 sees the goal": (SMALL_MAP, {1: 0.9}, [{0: 0.95}], 0.5, 0.9),
 } | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(8)}
-_FAULTS = {
-    "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
-    "greater than the threshold, not equal to it": "equal",
-    "from HERE RE must be greater than p_here, not equal to it": "equal from here",
-    "to GOAL RE must be greater than p_goal, not equal to it": "equal to the goal",
-    "what is below the threshold is no edge": "all",
-    "p_here is for the edges from HERE, p_goal for those to GOAL; yours exchanges them": (
-        "exchanged"
-    ),
-    "the edges from HERE have a threshold of their own, p_here": "p_goal only",
-    "the edges to GOAL have a threshold of their own, p_goal": "p_here only",
-    "one goal image is enough: of several take the highest RE, not the last": ("last"),
-    "of several images that a vertex sees take the highest RE, not that of the last image": (
-        "last above"
-    ),
-    "of several images that a vertex sees take the highest RE, not that of the first image": (
-        "first above"
-    ),
-    "of several images that a vertex sees take the highest RE, not the one that comes first": (
-        "first"
-    ),
-    "of several images that a vertex sees take the highest RE, not the least": "least of all",
-    "one goal image is enough: take the highest RE; chances are not combined": "any",
-    "one goal image above p_goal is enough; yours demands that all are": "every",
-    "edges lead from a vertex to GOAL, joined[v][GOAL]; GOAL leads nowhere": "goal backwards",
-    "edges lead from HERE to a vertex, joined[HERE][v], not back": "here backwards",
-    "edges lead from HERE to a vertex, not back as well": "both ways",
-    "new edges hold RE, as the map's do; -log RE is taken by the planner": "new weights",
-    "all vertices above p_goal are joined to GOAL, not only the best one": "best only",
-    "HERE is joined to all vertices above p_here, not only to the best one": "best start",
-    "vertex 0 is a vertex of the map like the others; 0 is false in Python": "vertex 0",
-    "vertex 0 is a vertex like the others, from HERE as well; 0 is false in Python": (
-        "vertex 0 from here"
-    ),
-    "vertex 0 is a vertex like the others, on the way to GOAL as well; 0 is false in Python": (
-        "vertex 0 to the goal"
-    ),
-    "a new edge holds its RE, not 1: above the threshold it is not sure yet": "ones",
-    "one goal image is enough: take the highest RE of them; the chances of several are not "
-    "combined": "any above",
-    "edges hold RE here; -log RE is taken by the planner": "weights",
-    "one goal image is enough; yours demands all of them": "least",
-    "one goal image is enough; do not average over them": "mean",
-    "one goal image is enough; do not multiply": "product",
-    "all goal images count, not only the first one": "first image",
-    "a goal in sight needs no map: to_goals may contain HERE, too": "not directly",
-    "only HERE may be in to_goals without being on the map; yours joins nothing from the map": (
-        "only directly"
-    ),
-    "the edges to GOAL are made from to_goals, not from from_here": "goal from here",
-    "the map's own edges stay, however doubtful they are: the thresholds are for the new ones": (
-        "prunes"
-    ),
-    "the new graph has the map's edges, too": "no map",
-    "the edge from HERE to GOAL leads to GOAL: p_goal counts": "p_here in sight",
-    "a vertex that is not in the graph must not come back through an edge to it": "ghosts",
-}
-
-
-@check(join_ends, (random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9))
-def check_join_ends(student: Callable[..., Any]) -> None:
-    """One goal image and several, thresholds, a goal in sight, and vertices that are not there."""
-    faults = with_faults(_joined, _FAULTS)
-    compare(
-        "join_ends",
-        student,
-        _CASES,
-        join_ends,
-        faults,
-        invoke=_invoke,
-        form=_graph,
-        difference=_unlike,
-        broken=_broken,
-    )
+MISTAKES = """
+edges lead from HERE to a vertex, and from a vertex to GOAL, not back
+    joined[HERE][v] -> joined[v][HERE]
+    joined[v][GOAL] -> joined[GOAL][v]
+greater than the threshold, not equal to it
+    p > p_here -> p >= p_here
+    p > p_goal -> p >= p_goal
+from HERE RE must be greater than p_here, not equal to it
+    p > p_here -> p >= p_here
+to GOAL RE must be greater than p_goal, not equal to it
+    p > p_goal -> p >= p_goal
+what is below the threshold is no edge
+    p > p_here -> True
+    p > p_goal -> True
+p_here is for the edges from HERE, p_goal for those to GOAL; yours exchanges them
+    joined = {v -> p_here, p_goal = p_goal, p_here; joined = {v
+the edges from HERE have a threshold of their own, p_here
+    p > p_here -> p > p_goal
+the edges to GOAL have a threshold of their own, p_goal
+    p > p_goal -> p > p_here
+one goal image is enough: of several take the highest RE, not the last
+    max(every) -> every[-1]
+of several images that a vertex sees take the highest RE, not that of the last image
+    max(every) -> next((q for q in reversed(every) if q > p_goal), 0.0)
+of several images that a vertex sees take the highest RE, not that of the first image
+    max(every) -> next((q for q in every if q > p_goal), 0.0)
+of several images that a vertex sees take the highest RE, not the one that comes first
+    max(every) -> every[0]
+of several images that a vertex sees take the highest RE, not the least
+    max(every) -> min(every)
+one goal image is enough: take the highest RE; chances are not combined
+    max(every) -> 1.0 - math.prod(1.0 - q for q in every)
+one goal image above p_goal is enough; yours demands that all are
+    p = max(every) -> p = max(every) if len(every) == len(to_goals) and min(every) > p_goal else 0.0
+edges lead from a vertex to GOAL, joined[v][GOAL]; GOAL leads nowhere
+    joined[v][GOAL] -> joined[GOAL][v]
+edges lead from HERE to a vertex, joined[HERE][v], not back
+    joined[HERE][v] -> joined[v][HERE]
+edges lead from HERE to a vertex, not back as well
+    joined[HERE][v] = p -> joined[HERE][v] = joined[v][HERE] = p
+new edges hold RE, as the map's do; -log RE is taken by the planner
+    joined[HERE][v] = p -> joined[HERE][v] = -math.log(p)
+    joined[v][GOAL] = p -> joined[v][GOAL] = -math.log(p)
+all vertices above p_goal are joined to GOAL, not only the best one
+    reach.items() -> sorted(reach.items(), key=lambda item: -max(item[1]))[:1]
+HERE is joined to all vertices above p_here, not only to the best one
+    from_here.items() -> sorted(from_here.items(), key=lambda item: item[1])[-1:]
+vertex 0 is a vertex of the map like the others; 0 is false in Python
+    v in graph and -> v and v in graph and
+    v in joined and -> v and v in joined and
+vertex 0 is a vertex like the others, from HERE as well; 0 is false in Python
+    v in graph and -> v and v in graph and
+vertex 0 is a vertex like the others, on the way to GOAL as well; 0 is false in Python
+    v in joined and -> v and v in joined and
+a new edge holds its RE, not 1: above the threshold it is not sure yet
+    joined[HERE][v] = p -> joined[HERE][v] = 1.0
+    joined[v][GOAL] = p -> joined[v][GOAL] = 1.0
+one goal image is enough: take the highest RE of them; the chances of several are not combined
+    max(every) -> 1.0 - math.prod(1.0 - q for q in every) if max(every) > p_goal else 0.0
+edges hold RE here; -log RE is taken by the planner
+    return joined
+        -> return {v: {w: -math.log(p) for w, p in out.items()} for v, out in joined.items()}
+one goal image is enough; yours demands all of them
+    max(every) -> min(every) if len(every) == len(to_goals) else 0.0
+one goal image is enough; do not average over them
+    max(every) -> sum(every) / len(every)
+one goal image is enough; do not multiply
+    max(every) -> math.prod(every)
+all goal images count, not only the first one
+    in to_goals -> in to_goals[:1]
+a goal in sight needs no map: to_goals may contain HERE, too
+    v in joined and -> v in graph and
+only HERE may be in to_goals without being on the map; yours joins nothing from the map
+    v in joined and -> v == HERE and
+the edges to GOAL are made from to_goals, not from from_here
+    in to_goals -> in [from_here]
+the map's own edges stay, however doubtful they are: the thresholds are for the new ones
+    dict(out) -> {w: p for w, p in out.items() if p > p_here}
+the new graph has the map's edges, too
+    dict(out) -> {}
+the edge from HERE to GOAL leads to GOAL: p_goal counts
+    p > p_goal -> p > (p_here if v == HERE else p_goal)
+a vertex that is not in the graph must not come back through an edge to it
+    v in graph and -> True and
+    v in joined and -> True and
+    joined[v][GOAL] -> joined.setdefault(v, {})[GOAL]
+"""
 
 
 def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa: ANN401
@@ -331,3 +273,17 @@ def _unlike(
             return f"the edge {step} has {yours:.6g}, but {right:.6g} is right: {why}"
     extra = [vertex for vertex in got if vertex not in want]
     return f"vertices {extra} are not on the map, and are no vertices of the new graph"
+
+
+check_join_ends = exercise(
+    join_ends,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="One goal image and several, thresholds, a goal in sight, vertices that are not there.",
+    example=case(random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9),
+    invoke=_invoke,
+    form=_graph,
+    difference=_unlike,
+    broken=_broken,
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Callable
 from functools import partial
@@ -11,33 +12,62 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.nb06.graphs import (
-    BY_HAND,
-    Found,
-    Graph,
-    Vertex,
-    most_probable_path,
-    probability_of,
-    random_graph,
-)
-from tutorial_lib.checks.nb06.path_faults import FAULTS
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.nb06.graphs import BY_HAND, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import explaining, number, vertices
 from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
-_ENDLESS = (
-    "most_probable_path: your function has not ended after {seconds:g} seconds. Which loop is it? "
-    "The search goes round a cycle for ever if a length is below 0, as -RE is, or if a vertex is "
-    "pushed again although its new length is not smaller: RE may be 1, and -log 1 is 0. The loop "
-    "back along the predecessors must end at the start, also where start and goal are one"
-)
+Found = tuple[list[Vertex], float]
+"""Vertices from start to goal, and the probability that all steps succeed."""
+
+
+def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    """The most probable path over a graph, and its probability; [] and 0 where there is none.
+
+    Args:
+        graph: for each vertex, those that an edge leads to, with RE.
+        start: a vertex.
+        goal: a vertex.
+    """
+    count, heap, done = 0, [(0.0, 0, start)], set()
+    least, before = {start: 0.0}, {start: start}
+    while heap:
+        length, _, vertex = heapq.heappop(heap)
+        if vertex in done:
+            continue
+        done.add(vertex)
+        if vertex == goal:
+            break
+        for other, p in graph[vertex].items():
+            through = length - math.log(p)
+            if other not in done and through < least.get(other, math.inf):
+                count += 1  # decides between equal lengths: vertices may have no order
+                least[other], before[other] = through, vertex
+                heapq.heappush(heap, (through, count, other))
+    path = _traced(before, start, goal)
+    if not path:
+        return [], 0.0
+    steps = [graph[v][w] for v, w in pairwise(path)]
+    return path, math.prod(steps)
+
+
+def _traced(before: dict[Vertex, Vertex], start: Vertex, goal: Vertex) -> list[Vertex]:
+    """The path to the goal, back along what comes before each vertex; [] where nothing does."""
+    if goal not in before:
+        return []
+    path = [goal]
+    while path[-1] != start:
+        path.append(before[path[-1]])
+    return path[::-1]
+
+
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
 _LATE: Graph = {0: {1: 0.5, 2: 0.95}, 1: {4: 0.99}, 2: {3: 0.95, 4: 0.6}, 3: {1: 0.95}, 4: {}}
-_CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
+CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
     "the graph above": (BY_HAND, "here", "goal"),
     "a chain": (_LINE, 0, 3),
     "edges that are sure": (_SURE, 0, 3),
@@ -62,24 +92,140 @@ _CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
     f"a graph drawn at random ({seed})": (random_graph(8 + seed, 2, 20 + seed), 0, 7 + seed)
     for seed in range(6)
 }
+MISTAKES = """
+edges have a direction: graph[v][w] leads from v to w, not back
+    graph[vertex].items()
+        -> ({v: out[vertex] for v, out in graph.items() if vertex in out} | graph[vertex]).items()
+    graph[v][w] for -> graph[v].get(w) or graph[w][v] for
+an edge of RE 1 is an edge: its length is 0, and 0 is false in Python
+    other not in done -> p != 1 and other not in done
+a doubtful edge is an edge, too: there may be no other one, however small RE is
+    other not in done -> p >= 0.01 and other not in done
+where start and goal are the same vertex, the probability is 1: nothing can go wrong
+    math.prod(steps) -> math.prod(steps) if steps else 0.0
+vertex 0 is a vertex, too: compare with None, or with the start, since 0 is false in Python
+    return path, -> return [v for v in path if v != 0],
+in the heap the length stands first, (length, vertex): it sorts by what stands first
+    (0.0, 0, start) -> (start, 0, 0.0)
+    length, _, vertex = -> vertex, _, length =
+    (through, count, other) -> (other, 0, through)
+    other not in done and through -> through
+1 - RE only resembles -log RE, and only near 1; take the logarithm, and exp of its sum
+    - math.log(p) -> + (1.0 - p)
+    math.prod(steps) -> math.exp(-least[goal])
+RE is no cost: the smaller it is, the worse; take -log RE, and exp of minus its sum
+    - math.log(p) -> + p
+    math.prod(steps) -> math.exp(-least[goal])
+that is the path of the fewest steps; add up -log RE, not 1 for each step
+    - math.log(p) -> + 1.0
+    math.prod(steps) -> math.exp(-least[goal])
+that is the path whose weakest edge is strongest; all edges must hold: add, do not take max
+    length - math.log(p) -> max(length, -math.log(p))
+    math.prod(steps) -> math.exp(-least[goal])
+where start and goal are the same vertex, the path is that vertex, with probability 1
+    if not path -> if start == goal or not path
+where no path leads to the goal, the probability is 0.0
+    return [], 0.0 -> return [], 1.0
+the path is right, but with base 10: take math.log and math.exp
+    math.prod(steps) -> math.exp(math.log10(math.prod(steps)))
+the path is right, but its probability came back with a minus
+    math.prod(steps) -> -math.prod(steps)
+that is the path of the fewest steps; a longer one may be more probable
+    - math.log(p) -> + 1.0
+1 - RE only resembles -log RE, and only near 1; take the logarithm
+    - math.log(p) -> + (1.0 - p)
+RE is no cost: the smaller it is, the worse; take -log RE
+    - math.log(p) -> + p
+yours goes on along the best next edge, and back where that leads nowhere, as with -RE, which is
+below 0: each further step makes a path cheaper. Compare whole paths, by -log RE
+    - math.log(p) -> - p
+1 / RE is no sum of logarithms; take -log RE
+    - math.log(p) -> + 1.0 / p
+that is the path whose weakest edge is strongest; all edges must hold, so costs add up
+    length - math.log(p) -> max(length, -math.log(p))
+the cost of a vertex is that of the whole path to it, not only of the last step
+    length - math.log(p) -> -math.log(p)
+yours stops when it first sees the goal; go on until the goal is taken from the heap
+    while heap: -> while heap and (start == goal or goal not in before):
+a vertex is settled when it is taken from the heap, not when it is put there; a better path may be
+found in between
+    through < least.get(other, math.inf) -> other not in least
+a worse path, found later, overwrites where a vertex was reached from; compare costs first
+    and through < least.get(other, math.inf) -> and True
+the path leads backwards, from goal to start; reverse it
+    return path, -> return path[::-1],
+the path is right, but the probability is that of the last step alone; multiply all
+    math.prod(steps) -> math.prod(steps[-1:])
+the path is right, but the probability is that of the first step alone; multiply all
+    math.prod(steps) -> math.prod(steps[:1])
+the start is missing from the path
+    return path, -> return path[1:],
+the goal is missing from the path
+    return path, -> return path[:-1],
+that is the cost, -log of the probability; invert it: exp(-cost)
+    math.prod(steps) -> -math.log(math.prod(steps))
+the path is right, but that is the sum of RE; multiply
+    math.prod(steps) -> sum(steps)
+the path is right, but that is the mean of RE; multiply
+    math.prod(steps) -> sum(steps) / max(len(steps), 1)
+the path is right, but that is the least RE on it; multiply
+    math.prod(steps) -> min(steps, default=1.0)
+the path is right, but that is the logarithm of its probability; take exp
+    math.prod(steps) -> math.log(math.prod(steps))
+the path is right, but that is the number of its steps; return the product of RE
+    math.prod(steps) -> float(len(steps))
+the path is right, but that is what is missing to 1; return the product of RE
+    math.prod(steps) -> 1.0 - math.prod(steps)
+the path is right, but that is the exponential of the cost; the probability is exp(-cost)
+    math.prod(steps) -> 1.0 / math.prod(steps)
+"""
 
 
-@check(most_probable_path, (random_graph(80, 4, 3), 0, 79), endless=_ENDLESS)
-def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """The graph done by hand, chains, cycles, larger graphs, and goals that cannot be reached."""
-    return compare(
-        "most_probable_path",
-        student,
-        _CASES,
-        most_probable_path,
-        FAULTS,
-        invoke=_invoke,
-        form=_path,
-        same=_same,
-        difference=_apart,
-        broken=_broken,
-        draw=_graphs,
-    )
+def _few_rounds(rounds: int) -> Callable[..., Found]:
+    """Bellman and Ford's rounds over all edges, but not enough of them."""
+
+    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+        found, before = {start: 1.0}, {start: start}
+        for _ in range(rounds):
+            for v in graph:
+                for w, p in graph[v].items():
+                    if found.get(v, 0.0) * p > found.get(w, 0.0):
+                        found[w], before[w] = found[v] * p, v
+        path = _traced(before, start, goal)
+        return path, probability_of(graph, path) if path else 0.0
+
+    return answer
+
+
+def _best_next(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    """Always the best next edge."""
+    path = [start]
+    while path[-1] != goal:
+        edges = {w: p for w, p in graph[path[-1]].items() if w not in path}
+        if not edges:
+            return [], 0.0
+        path.append(max(edges, key=edges.__getitem__))
+    return path, probability_of(graph, path)
+
+
+OTHERS = {
+    "one round over all edges is not enough: go on until nothing changes": _few_rounds(1),
+    "a few rounds over all edges are not enough: go on until nothing changes": _few_rounds(3),
+    "yours always takes the best next edge, which may lead to poor ones. Compare whole paths": (
+        _best_next
+    ),
+}
+_ENDLESS = (
+    "most_probable_path: your function has not ended after {seconds:g} seconds. Which loop is it? "
+    "The search goes round a cycle for ever if a length is below 0, as -RE is, or if a vertex is "
+    "pushed again although its new length is not smaller: RE may be 1, and -log 1 is 0. The loop "
+    "back along the predecessors must end at the start, also where start and goal are one"
+)
+
+
+def probability_of(graph: Graph, path: list[Vertex]) -> float:
+    """The product of RE along a path."""
+    return math.prod(graph[v][w] for v, w in pairwise(path))
 
 
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:
@@ -164,3 +310,22 @@ def _apart(got: Found, want: Found, graph: Graph, *_: Vertex) -> str:
 
 def _spoken(path: list[Vertex]) -> str:
     return " > ".join(map(str, path))
+
+
+check_most_probable_path = exercise(
+    most_probable_path,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="The graph done by hand, chains, cycles, larger graphs, goals that cannot be reached.",
+    example=case(random_graph(80, 4, 3), 0, 79),
+    others=OTHERS,
+    calls=10,  # of hundreds: Bellman and Ford's rounds are slower, but right, and are used below
+    endless=_ENDLESS,
+    invoke=_invoke,
+    form=_path,
+    same=_same,
+    difference=_apart,
+    broken=_broken,
+    draw=_graphs,
+)

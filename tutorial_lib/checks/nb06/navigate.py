@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
-from tutorial_lib.checks.nb06.navigate_words import FAULTS
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
 from tutorial_lib.checks.nb06.untouched import explaining, number
 from tutorial_lib.topology.planner import DijkstraPlanner
@@ -39,7 +37,34 @@ def navigate(
         limits: of the navigation.
         decide: plans.
     """
-    return _navigated(robot, graph, rules, limits, decide=decide)
+    path, searched, lost = [], 0, 0
+    plans, excluded = list[Decision](), set[Vertex]()
+    for _ in range(limits.steps):
+        if not path and searched % limits.interval == 0:
+            left = without(graph, excluded)
+            path, probability, reason = decide(left, *robot.look(), rules)
+            plans.append((path, probability, reason))
+            if path and reason and not lost:
+                return "refused", plans, excluded
+        if not path:
+            if searched >= limits.search:
+                return "gave up", plans, excluded
+            robot.turn()
+            searched += 1
+            continue
+        state = robot.follow(path)
+        if state == "arrived":
+            return "arrived", plans, excluded
+        if state == "lost":
+            lost += 1
+            vertex = path[robot.active]
+            if vertex not in (HERE, GOAL):
+                there, back = set(graph[vertex]), {v for v, out in graph.items() if vertex in out}
+                excluded |= {vertex} | (there & back)
+            if lost > limits.replans:
+                return "gave up", plans, excluded
+            path, searched = [], 0
+    return "late", plans, excluded
 
 
 def without(graph: Graph, excluded: set[Vertex]) -> Graph:
@@ -51,106 +76,105 @@ def without(graph: Graph, excluded: set[Vertex]) -> Graph:
     }
 
 
-def _navigated(
-    robot: Any,  # noqa: ANN401
-    graph: Graph,
-    rules: DijkstraPlanner,
-    limits: Limits,
-    fault: str = "",
-    decide: Callable[..., Decision] = decide,
-) -> Navigated:
-    """The navigation, with a `fault` if one is named."""
-    excluded, plans, lost = set[Vertex](), list[Decision](), 0
-    path, searched, started = [], 0, False
-    seen = robot.look() if fault == "looks at first only" else None
-    interval = {"always looks": 1}.get(fault, limits.interval)
-    limits = _limited(limits, fault)
-    for step in range(limits.steps):
-        turned = {"all steps": step, "looks late": searched + 1}.get(fault, searched)
-        turned = 0 if fault == "looks late" and not searched else turned
-        turned = searched + 1 if fault == "turns before it looks" else turned
-        looks = searched == 0 if fault == "looks once" else turned % interval == 0
-        over = fault == "no last look" and searched >= limits.search
-        if (not path or fault == "replans all the time") and looks and not over:
-            left = graph if fault == "excludes nothing" else without(graph, excluded)
-            path, probability, reason = decide(left, *(seen or robot.look()), rules)
-            plans.append((path, probability, reason))
-            fresh = not excluded if fault == "by excluded" else not lost
-            refuses = bool(path and reason) and (fresh or fault == "always refuses")
-            refuses &= fault != "refuses the improbable only" or reason == "too improbable"
-            refuses |= fault == "refuses without a path" and not path and fresh
-            if refuses and fault == "turns on":
-                path, refuses = [], False
-            if path and reason and not fresh and fault == "never improbable":
-                path = []
-            if refuses and fault != "dares":
-                return "refused", plans, excluded
-            if not path and fault == "gives up at once":
-                return "gave up", plans, excluded
-        if not path:
-            count = len(plans) if fault == "counts looks" else searched
-            if count >= limits.search and fault != "searches for ever":
-                return "gave up", plans, excluded
-            robot.turn()
-            searched += 1
-            continue
-        if fault == "follows later" and plans and looks and not started:
-            started = True
-            robot.turn()
-            continue
-        started = True
-        before = robot.active if fault == "active too early" else 0
-        state = robot.follow(path)
-        if state == "arrived":
-            return "arrived", plans, set() if fault == "forgets in the end" else excluded
-        if state != "lost":
-            continue
-        lost += 1
-        place = {
-            "first": 1,
-            "behind": robot.active - 1,
-            "ahead": min(robot.active + 1, len(path) - 1),
-        }
-        place |= {"active too early": min(before, len(path) - 1)}
-        vertex = path[place.get(fault, robot.active)]
-        lost -= fault == "goal is free" and vertex == GOAL
-        lost -= fault == "only the goal counts" and vertex != GOAL and lost > 1
-        if fault == "gives up at the goal" and vertex == GOAL:
-            return "gave up", plans, excluded
-        if vertex == GOAL and fault == "goal":
-            excluded.add(vertex)
-        if fault == "forgets":
-            excluded = set()
-        if vertex not in (HERE, GOAL):
-            itself = set() if fault == "not itself" else {vertex}
-            excluded |= itself | _beside(graph, vertex, fault)
-        if lost > limits.replans - (fault == "too few") + (fault == "too many"):
-            return "gave up", plans, excluded
-        if fault != "same path":
-            path, searched = [], searched if fault == "searched before" else 0
-            started = False
-    return "gave up" if fault == "never late" else "late", plans, excluded
-
-
-def _limited(limits: Limits, fault: str) -> Limits:
-    """The limits, with the `fault`."""
-    changes = {
-        "search less": {"search": limits.search - 1},
-        "search more": {"search": limits.search + 1},
-        "steps less": {"steps": limits.steps - 1},
-        "steps more": {"steps": limits.steps + 1},
-    }
-    return replace(limits, **changes.get(fault, {}))
-
-
-def _beside(graph: Graph, vertex: Vertex, fault: str) -> set[Vertex]:
-    """The vertices beside one: those that it leads to, and that lead back."""
-    there, back = set(graph[vertex]), {v for v, out in graph.items() if vertex in out}
-    if fault == "two away":
-        return {v for near in (there & back) for v in {near} | _beside(graph, near, "")}
-    return {"alone": set(), "out": there, "in": back, "either": there | back}.get(
-        fault, there & back
-    )
+MISTAKES = """
+exclude the vertices beside it, too: those that it leads to and that lead back
+    {vertex} | (there & back) -> {vertex}
+beside it are those that it leads to and that lead back to it, not all that it leads to
+    there & back -> there
+beside it are those that it leads to and that lead back to it, not all that lead to it
+    there & back -> back
+beside it are those with edges in both directions; one direction is not enough
+    there & back -> there | back
+exclude the vertex that could not be reached, path[robot.active], not the one before it
+    path[robot.active] -> path[robot.active - 1]
+exclude every vertex that could not be reached so far, not only the last one
+    vertex = path -> excluded = set(); vertex = path
+plan on the graph without what is excluded: without(graph, excluded)
+    without(graph, excluded) -> graph
+a robot that was lost takes a refused path rather than none
+    reason and not lost -> reason
+before it was lost, the robot ends with a refused path; yours drives it
+    path and reason and not lost -> False
+where there is no path, turn and look again; yours gives up at once
+    searched >= limits.search -> True
+after limits.search steps of turning the robot gives up
+    searched >= limits.search -> False
+while it turns, the robot looks every limits.interval steps, not at each
+    % limits.interval -> % 1
+while there is a path, follow it; yours plans again and again
+    not path and searched -> searched
+a robot that was lost needs a new plan; yours follows the old one
+    path, searched = [], 0 -> pass
+each search begins anew: the steps of turning are counted from 0
+    path, searched = [], 0 -> path = []
+it may be lost limits.replans times and plan again; yours allows one less
+    lost > limits.replans -> lost >= limits.replans
+it may be lost limits.replans times and plan again; yours allows one more
+    lost > limits.replans -> lost > limits.replans + 1
+after limits.steps steps the ending is late
+    "late" -> "gave up"
+it turns limits.search times in a search, not once less, before it gives up
+    limits.search -> limits.search - 1
+it turns limits.search times in a search, not once more, before it gives up
+    limits.search -> limits.search + 1
+each turn and each follow is a step; there are limits.steps of them, not one less
+    limits.steps -> limits.steps - 1
+each turn and each follow is a step; there are limits.steps of them, not one more
+    limits.steps -> limits.steps + 1
+while it turns, the robot looks again every limits.interval steps
+    searched % limits.interval == 0 -> searched == 0
+it looks at the steps 0, limits.interval, 2 limits.interval ... of a search
+    searched % -> (searched and searched + 1) %
+the steps of turning in this search count for the next look, not those of the whole navigation
+    for _ in -> for step in
+    searched % -> step %
+where a look is due, it comes before giving up: there may be a path now
+    searched % -> searched < limits.search and searched %
+a path with a reason against it ends the navigation: refused; yours turns on
+    return "refused", plans, excluded -> path = []
+whether the robot was lost counts for a refusal, not whether anything is excluded
+    not lost -> not excluded
+as soon as there is a path, follow it in the same step
+    path, searched, lost = [], 0, 0 -> path, searched, lost, follows = [], 0, 0, False
+    robot.follow(path) -> robot.follow(path) if follows else robot.turn(); follows = True
+    path, searched = [], 0 -> path, searched, follows = [], 0, False
+GOAL is no vertex of the map: it is never excluded
+    vertex = path[robot.active] -> vertex = path[robot.active]; excluded |= {vertex} & {GOAL}
+exclude the vertex that could not be reached, path[robot.active], not the one after it
+    path[robot.active] -> path[min(robot.active + 1, len(path) - 1)]
+ask robot.active after follow has returned lost; before, it was another one
+    state = robot -> before = robot.active; state = robot
+    path[robot.active] -> path[min(before, len(path) - 1)]
+return all vertices that were excluded, also on arrival
+    "arrived", plans, excluded -> "arrived", plans, set()
+the first step of a search looks; yours turns before
+    searched % -> (searched + 1) %
+look again in each search: what was seen at first is of another place
+    path, searched, lost = -> seen = robot.look(); path, searched, lost =
+    *robot.look() -> *seen
+not on the map is a reason, too: any reason refuses a robot that was never lost
+    reason and not -> reason == "too improbable" and not
+without a path there is nothing to refuse: turn, and look again
+    path and reason and -> reason and
+a robot that was lost takes an improbable path; yours turns on
+    plans.append((path, probability, reason))
+        -> plans.append((path, probability, reason)); path = [] if reason and lost else path
+limits.search counts steps of turning, not looks
+    searched >= limits.search -> len(plans) >= limits.search
+exclude path[robot.active], not the first vertex of the path
+    path[robot.active] -> path[1]
+being lost before the goal counts as well: limits.replans is for the whole drive
+    lost += 1 -> lost += path[robot.active] != GOAL
+being lost at a vertex counts each time, not only before the goal
+    lost += 1 -> lost += path[robot.active] == GOAL or not lost
+lost before the goal is no end: nothing is excluded, and the robot searches again
+    lost > limits.replans -> lost > limits.replans or vertex == GOAL
+the vertex that could not be reached is excluded itself, not only those beside it
+    {vertex} | (there & back) -> there & back
+beside a vertex are those one edge away, there and back, not those beside them as well
+    (there & back)
+        -> {w for v in there & back for w in [v, *(w for w in graph[v] if v in graph[w])]}
+"""
 
 
 def _play(travels: Callable[..., Any], story: Story) -> tuple[Any, list[tuple[Any, ...]]]:
@@ -167,11 +191,7 @@ def _invoke(what: str, student: Callable[..., Any], story: Story) -> Any:  # noq
         KeyError: "GOAL and HERE are no vertices of the map; graph[vertex] holds its edges",
         TypeError: "look() and turn() take nothing, follow(path) the path; active is a number",
     }
-    try:
-        return explaining(what, lambda: _play(student, story), hints)
-    except WrongAnswer as wrong:
-        said = str(wrong)
-        raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None
+    return explaining(what, partial(_play, student, story), hints)
 
 
 class _Example:
@@ -193,30 +213,6 @@ class _Example:
 
 
 _LINE: Graph = {v: {v + 1: 0.99} for v in range(5)} | {5: {}}
-
-
-@check(
-    navigate,
-    (_Example(), _LINE, DijkstraPlanner(), Limits()),
-    calls=10,
-    endless="navigate: your function has not ended after {seconds:g} seconds. Count the steps in "
-    "one place: each round of the loop is one step, and there are limits.steps at most",
-)
-def check_navigate(student: Callable[..., Any]) -> None:
-    """Robots that arrive, search, refuse, are lost here and there, and run out of time."""
-    faults = with_faults(_navigated, FAULTS)
-    played = {words: partial(_play, rule) for words, rule in faults.items()}
-    compare(
-        "navigate",
-        student,
-        {name: (story,) for name, story in STORIES.items()},
-        partial(_play, navigate),
-        played,
-        invoke=_invoke,
-        form=_form,
-        difference=_differ,
-        broken=_broken,
-    )
 
 
 def _form(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
@@ -308,3 +304,21 @@ _DUE = {
 
 def _end(want: tuple[Any, ...]) -> str:
     return f"it ends with {want[0]!r} after {number_of(len(want[3]), 'call')}"
+
+
+check_navigate = exercise(
+    navigate,
+    {name: case(story) for name, story in STORIES.items()},
+    MISTAKES,
+    module=__name__,
+    about="Robots that arrive, search, refuse, are lost here and there, and run out of time.",
+    example=case(_Example(), _LINE, DijkstraPlanner(), Limits()),
+    calls=10,
+    endless="navigate: your function has not ended after {seconds:g} seconds. Count the steps in "
+    "one place: each round of the loop is one step, and there are limits.steps at most",
+    run=_play,
+    invoke=_invoke,
+    form=_form,
+    difference=_differ,
+    broken=_broken,
+)

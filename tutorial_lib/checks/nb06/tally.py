@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.untouched import number, untouched
@@ -48,70 +48,13 @@ def tally(trips: Sequence[Trip]) -> Tally:
     Args:
         trips: each a path, and the place of it that could not be reached; None on arrival.
     """
-    return _tallied(trips)
-
-
-def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
-    """The tally, with a `fault` if one is named."""
     counts: Tally = {}
     for path, stopped in trips:
+        last = len(path) if stopped is None else stopped
         for place, edge in enumerate(pairwise(path), 1):
-            arrived = stopped is None
-            passed = arrived or place < stopped
-            tried = arrived or place <= stopped
-            if fault == "one place less":
-                tried = arrived or place < stopped
-            if fault == "first is arrival" and stopped == 1:
-                passed = tried = True
-            if fault == "by vertices" and not arrived:
-                first = path[1:].index(path[stopped]) + 1
-                passed, tried = place < first, place <= first
-            if fault == "vertex 0" and 0 in edge:
-                continue
-            if fault == "from vertex 0" and edge[0] == 0:
-                continue
-            if fault == "zeros" and not tried:
-                counts.setdefault(edge, (0, 0))
-            if fault == "blames all":
-                passed, tried = arrived, True
-            if fault == "blames what was not tried":
-                tried = True
-            if fault == "passes the last":
-                passed = tried
-            if fault == "one too late":
-                passed, tried = tried, arrived or place <= stopped + 1
-            if fault == "one too early":
-                passed, tried = arrived or place < stopped - 1, arrived or place < stopped
-            if fault == "only arrivals":
-                tried = passed = arrived
-            if fault == "only failures":
-                tried, passed = not arrived and place <= stopped, not arrived and place < stopped
-            if fault == "turned":
-                edge = (edge[1], edge[0])
-            ends = {"not from here": HERE in edge, "not to the goal": GOAL in edge}
-            if ends.get(fault, False):
-                continue
-            if fault == "last one never passed":
-                passed = place < (len(path) - 1 if arrived else stopped)
-            if fault == "only the map" and min(edge) < 0:
-                continue
-            if fault == "once a trip" and edge in list(pairwise(path))[: place - 1]:
-                continue
-            if fault == "both ways":
-                edge = (min(edge), max(edge))
-            if tried:
-                before = (0, 0) if fault == "last trip" else counts.get(edge, (0, 0))
-                counts[edge] = (before[0] + 1, before[1] + int(passed))
-                if fault == "not added":
-                    counts[edge] = (before[0] + 1, int(passed))
-    if fault == "share":
-        return {edge: (tried, passed // tried) for edge, (tried, passed) in counts.items()}
-    if fault == "passed ones":
-        return {edge: both for edge, both in counts.items() if both[1]}
-    if fault == "exchanged":
-        return {edge: (passed, tried) for edge, (tried, passed) in counts.items()}
-    if fault == "failed":
-        return {edge: (tried, tried - passed) for edge, (tried, passed) in counts.items()}
+            if place <= last:
+                tried, passed = counts.get(edge, (0, 0))
+                counts[edge] = (tried + 1, passed + (place < last))
     return counts
 
 
@@ -126,7 +69,7 @@ def _random_trips(seed: int) -> list[Trip]:
     return trips
 
 
-_CASES: dict[str, tuple[list[Trip]]] = {
+CASES: dict[str, tuple[list[Trip]]] = {
     "one arrival": ([([HERE, 3, 4, GOAL], None)],),
     "one failure": ([([HERE, 3, 4, 5, 6, GOAL], 3)],),
     "lost before the first vertex": ([([HERE, 3, 4, GOAL], 1)],),
@@ -149,64 +92,66 @@ _CASES: dict[str, tuple[list[Trip]]] = {
     "over vertex 0": ([([HERE, 0, 3, GOAL], None), ([HERE, 3, 0, 2, GOAL], 3)],),
     "there and back": ([([HERE, 1, 2, 1, GOAL], 3), ([HERE, 2, 1, GOAL], 2)],),
 } | {f"trips drawn at random ({seed})": (_random_trips(seed),) for seed in range(6)}
-_FAULTS = {
-    "the edges before the one where it was lost were passed; do not blame them": "blames all",
-    "what comes after the place where it was lost was never tried": "blames what was not tried",
-    "the edge to path[stopped] was tried, but not passed": "passes the last",
-    "the robot was lost on the edge that leads to path[stopped], not on the one after it": (
-        "one too late"
-    ),
-    "the robot was lost on the edge that leads to path[stopped], not on the one before it": (
-        "one too early"
-    ),
-    "the edges from HERE count as well": "not from here",
-    "the edge to path[stopped] was tried as well, in vain: it counts as tried": "one place less",
-    "an edge that no trip tried is left out; yours has (0, 0) for it": "zeros",
-    "stopped is 1 where the first edge could not be driven; only None is an arrival": (
-        "first is arrival"
-    ),
-    "a vertex may stand on a path twice: compare places, not vertices, with stopped": (
-        "by vertices"
-    ),
-    "vertex 0 is a vertex like the others, and false in Python": "vertex 0",
-    "the edges from vertex 0 count as well; 0 is false in Python": "from vertex 0",
-    "the edges to GOAL count as well": "not to the goal",
-    "on arrival the last edge was passed, too": "last one never passed",
-    "passed is counted over all trips, as tried is: add": "not added",
-    "the second number is how often it was passed, not its share": "share",
-    "an edge that was tried and never passed is the one we look for: it stays": "passed ones",
-    "trips that failed count, too": "only arrivals",
-    "trips that arrived count, too": "only failures",
-    "an edge is a pair (from, to); yours are turned round": "turned",
-    "a trip may pass an edge more than once; each time counts": "once a trip",
-    "edges from HERE and to GOAL count as well": "only the map",
-    "edges have a direction: (2, 3) and (3, 2) are two edges": "both ways",
-    "count over all trips; yours forgets those before": "last trip",
-    "first how often it was tried, then how often it was passed": "exchanged",
-    "the second number is how often it was passed, not how often it failed": "failed",
-}
-
-
+MISTAKES = """
+the edges before the one where it was lost were passed; do not blame them
+    if place <= last -> if True
+    place < last -> stopped is None
+what comes after the place where it was lost was never tried
+    if place <= last -> if True
+the edge to path[stopped] was tried, but not passed
+    place < last -> True
+the robot was lost on the edge that leads to path[stopped], not on the one after it
+    else stopped -> else stopped + 1
+the robot was lost on the edge that leads to path[stopped], not on the one before it
+    else stopped -> else stopped - 1
+the edges from HERE count as well
+    place <= last -> place <= last and edge[0] != HERE
+the edge to path[stopped] was tried as well, in vain: it counts as tried
+    place <= last -> place < last
+an edge that no trip tried is left out; yours has (0, 0) for it
+    if place <= last -> if True
+    tried + 1 -> tried + (place <= last)
+stopped is 1 where the first edge could not be driven; only None is an arrival
+    stopped is None -> stopped in (None, 1)
+a vertex may stand on a path twice: compare places, not vertices, with stopped
+    else stopped -> else path[1:].index(path[stopped]) + 1
+vertex 0 is a vertex like the others, and false in Python
+    place <= last -> place <= last and all(edge)
+the edges from vertex 0 count as well; 0 is false in Python
+    place <= last -> place <= last and edge[0]
+the edges to GOAL count as well
+    place <= last -> place <= last and edge[1] != GOAL
+on arrival the last edge was passed, too
+    len(path) if -> len(path) - 1 if
+passed is counted over all trips, as tried is: add
+    passed + (place < last) -> int(place < last)
+the second number is how often it was passed, not its share
+    return counts -> return {edge: (both[0], both[1] // both[0]) for edge, both in counts.items()}
+an edge that was tried and never passed is the one we look for: it stays
+    return counts -> return {edge: both for edge, both in counts.items() if both[1]}
+trips that failed count, too
+    place <= last -> stopped is None
+trips that arrived count, too
+    place <= last -> place <= last and stopped
+an edge is a pair (from, to); yours are turned round
+    return counts -> return {edge[::-1]: both for edge, both in counts.items()}
+a trip may pass an edge more than once; each time counts
+    place <= last -> place <= last and edge not in list(pairwise(path))[: place - 1]
+edges from HERE and to GOAL count as well
+    place <= last -> place <= last and min(edge) >= 0
+edges have a direction: (2, 3) and (3, 2) are two edges
+    pairwise(path) -> map(tuple, map(sorted, pairwise(path)))
+count over all trips; yours forgets those before
+    counts.get(edge, (0, 0)) -> (0, 0)
+first how often it was tried, then how often it was passed
+    return counts -> return {edge: both[::-1] for edge, both in counts.items()}
+the second number is how often it was passed, not how often it failed
+    return counts -> return {edge: (both[0], both[0] - both[1]) for edge, both in counts.items()}
+"""
 _HINTS: dict[type[Exception], str] = {
     IndexError: "there may be no trip, and a path has one edge less than vertices",
     TypeError: "stopped is None on arrival, otherwise a number; path is a list of vertices",
 }
-
-
-@check(tally, ([([HERE, *range(200), GOAL], 150)] * 20,))
-def check_tally(student: Callable[..., Any]) -> None:
-    """Trips that arrived, trips that were lost at the start, under way and at the end, and none."""
-    faults = with_faults(_tallied, _FAULTS)
-    compare(
-        "tally",
-        student,
-        _CASES,
-        tally,
-        faults,
-        invoke=partial(untouched, names=["trips"], hints=_HINTS),
-        form=_counts,
-        difference=_unlike,
-    )
 
 
 def _unlike(got: Tally, want: Tally, trips: Sequence[Trip]) -> str:
@@ -244,3 +189,16 @@ def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - student
 def _plain(count: object) -> object:
     """True and False count as 1 and 0."""
     return int(count) if isinstance(count, bool) else count
+
+
+check_tally = exercise(
+    tally,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Trips that arrived, that were lost at the start, under way and at the end, and none.",
+    example=case([([HERE, *range(200), GOAL], 150)] * 20),
+    invoke=partial(untouched, names=["trips"], hints=_HINTS),
+    form=_counts,
+    difference=_unlike,
+)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind, times
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
 from tutorial_lib.checks.nb06.untouched import explaining
@@ -29,81 +29,16 @@ def travel(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
         drive: drives along a path.
         replans: how often to replan.
     """
-    return _travelled(plan, drive, replans)
-
-
-def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple[bool, set[Vertex]]:
-    """The navigation, with a `fault` if one is named."""
-    excluded: set[Vertex] = set()
-    if fault == "plans ahead":
-        return _planning_ahead(plan, drive, replans)
-    rounds = {"too few": replans, "too many": replans + 2, "once": 1}.get(fault, replans + 1)
-    rounds = max(rounds, 2) if fault == "one at least" else rounds
-    path: list[Vertex] = []
-    number = -1
-    while number + 1 < rounds:
-        number += 1
-        if fault == "resets":
-            excluded = set()
-        if not (fault == "same path" and number):
-            path = plan(set(excluded))
-        if not path and fault == "refusal forgets":
-            return False, set()
-        if not path and fault == "refused, again":
-            continue
-        if not path and fault != "drives on nothing":
-            return fault == "refusal arrives", excluded
-        stopped = drive(path)
-        if stopped is None:
-            return fault != "never arrives", set() if fault == "forgets on arrival" else excluded
-        place = stopped - (fault in ("behind", "behind or here"))
-        if fault == "ahead":
-            place = min(stopped + 1, len(path) - 2) if path[stopped] != GOAL else stopped
-        if fault == "goal arrives" and path[stopped] == GOAL:
-            return True, excluded
-        if fault == "last one forgotten" and number == replans:
-            return False, excluded
-        if fault == "behind or here":
-            excluded |= {path[place]} if path[stopped] != GOAL else set()
-            continue
-        vertex = path[place] if path else GOAL
-        if vertex == GOAL and fault == "gives up at the goal":
-            return False, excluded
-        if vertex == GOAL and fault == "goal is free" and number < 30:
-            number -= 1
-        if vertex == GOAL and fault == "before the goal":
-            vertex = path[place - 1]
-        if fault == "forgets":
-            excluded = set()
-        if fault == "all before, lost at a vertex" and vertex != GOAL:
-            excluded |= set(path[1:stopped])
-        if fault == "vertex 0" and vertex == 0:
-            continue
-        if fault == "whole path":
-            excluded |= {v for v in path if v not in (HERE, GOAL)}
-        elif fault == "all until":
-            excluded |= {v for v in path[1 : stopped + 1] if v != GOAL}
-        elif fault == "all until, and the goal":
-            excluded |= set(path[1 : stopped + 1])
-        elif fault == "all ahead":
-            excluded |= {v for v in path[stopped:] if v != GOAL}
-        elif (vertex not in (HERE, GOAL) or fault == "goal") and fault != "excludes nothing":
-            excluded.add(stopped if fault == "place" else vertex)
-    return False, excluded
-
-
-def _planning_ahead(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
-    """Plans once more than it drives."""
-    excluded: set[Vertex] = set()
-    path = plan(set())
+    excluded = set[Vertex]()
     for _ in range(replans + 1):
+        path = plan(set(excluded))
         if not path:
             break
         stopped = drive(path)
         if stopped is None:
             return True, excluded
-        excluded |= {path[stopped]} - {GOAL}
-        path = plan(set(excluded))
+        vertex = path[stopped]
+        excluded |= {vertex} - {HERE, GOAL}
     return False, excluded
 
 
@@ -136,7 +71,7 @@ class _Story:
 
 
 _A, _B, _C = [HERE, 1, 2, 3, GOAL], [HERE, 1, 4, 3, GOAL], [HERE, 5, 6, GOAL]
-_CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
+CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "it arrives at once": ([_A, _B], [None], 5),
     "lost once, then it arrives": ([_A, _B, _C], [2, None], 5),
     "lost twice, at different places": ([_A, _B, _C], [2, 3, None], 5),
@@ -157,46 +92,83 @@ _CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "lost at vertex 0, under way": ([[HERE, 1, 0, GOAL], _C], [2, None], 5),
     "the goal again and again, then it arrives": ([_A, _B], [4, 4, 4, None], 3),
 }
-_FAULTS = {
-    "exclude the vertex that could not be reached, path[stopped], not the one before it": "behind",
-    "exclude every vertex that could not be reached so far, not only the last one": "forgets",
-    "what is excluded stays so: the set lives outside of the loop": "resets",
-    "exclude path[stopped]; the one before it was reached, and may be HERE": "behind or here",
-    "exclude path[stopped], the vertex that could not be reached, not the one after it": "ahead",
-    "return what is excluded also on a refusal": "refusal forgets",
-    "a refusal is the end: the same plan would be refused again": "refused, again",
-    "lost before the goal is not arrived: only None is": "goal arrives",
-    "the last vertex that could not be reached is excluded, too, though no plan follows": (
-        "last one forgotten"
-    ),
-    "plan when you are about to drive; yours plans once more after the last drive": "plans ahead",
-    "what was reached on the way, and the goal, are not excluded: path[stopped] only": (
-        "all until, and the goal"
-    ),
-    "only one vertex could not be reached; excluding the whole path leaves no other": "whole path",
-    "the vertices before path[stopped] were reached; exclude path[stopped] only": "all until",
-    "only path[stopped] was tried in vain; what comes after it was never tried": "all ahead",
-    "what could not be reached must be excluded, or the next plan is the same": "excludes nothing",
-    "stopped is an index along the path; exclude the vertex there, path[stopped]": "place",
-    "the goal is no vertex of the map; when it cannot be reached, replan, but exclude nothing": (
-        "goal"
-    ),
-    "the goal is no vertex of the map; when it cannot be reached, replan. Yours gives up": (
-        "gives up at the goal"
-    ),
-    "the goal is no vertex of the map; when it cannot be reached, exclude nothing. Yours excludes "
-    "the vertex before it": "before the goal",
-    "a plan that ends at the goal in vain was a plan, too; count it": "goal is free",
-    "it arrived: drive returned None": "never arrives",
-    "on a refusal it did not arrive: return False": "refusal arrives",
-    "return all vertices that were excluded, also on arrival": "forgets on arrival",
-    "a lost robot needs a new plan; yours drives along the old one": "same path",
-    "after the first plan there may be `replans` more; yours makes one too few": "too few",
-    "after the first plan there may be `replans` more; yours makes one too many": "too many",
-    "yours plans only once": "once",
-    "where `replans` is 0 there is the first plan and no other": "one at least",
-    "exclude path[stopped] alone: those before it were reached": "all before, lost at a vertex",
-    "vertex 0 is a vertex of the map like the others; only GOAL is never excluded": "vertex 0",
+MISTAKES = """
+exclude the vertex that could not be reached, path[stopped], not the one before it
+    path[stopped] -> path[stopped - 1]
+exclude every vertex that could not be reached so far, not only the last one
+    excluded |= -> excluded =
+what is excluded stays so: the set lives outside of the loop
+    path = plan -> excluded = set(); path = plan
+exclude path[stopped]; the one before it was reached, and may be HERE
+    {vertex} - {HERE, GOAL} -> {path[stopped - 1]} if vertex != GOAL else set()
+exclude path[stopped], the vertex that could not be reached, not the one after it
+    {vertex} -> {path[min(stopped + 1, len(path) - 2)] if vertex != GOAL else GOAL}
+return what is excluded also on a refusal
+    break -> return False, set()
+a refusal is the end: the same plan would be refused again
+    break -> continue
+lost before the goal is not arrived: only None is
+    stopped is None -> stopped is None or path[stopped] == GOAL
+the last vertex that could not be reached is excluded, too, though no plan follows
+    for _ in -> for number in
+    excluded |= -> if number < replans: excluded |=
+plan when you are about to drive; yours plans once more after the last drive
+    excluded = set[Vertex]() -> excluded, path = set(), plan(set())
+    path = plan(set(excluded)) -> pass
+    - {HERE, GOAL} -> - {HERE, GOAL}; path = plan(set(excluded))
+what was reached on the way, and the goal, are not excluded: path[stopped] only
+    {vertex} - {HERE, GOAL} -> set(path[1 : stopped + 1])
+only one vertex could not be reached; excluding the whole path leaves no other
+    {vertex} -> set(path)
+the vertices before path[stopped] were reached; exclude path[stopped] only
+    {vertex} -> set(path[: stopped + 1])
+only path[stopped] was tried in vain; what comes after it was never tried
+    {vertex} -> set(path[stopped:])
+what could not be reached must be excluded, or the next plan is the same
+    {vertex} -> set()
+stopped is an index along the path; exclude the vertex there, path[stopped]
+    {vertex} - {HERE, GOAL} -> {stopped} if vertex != GOAL else set()
+the goal is no vertex of the map; when it cannot be reached, replan, but exclude nothing
+    {HERE, GOAL} -> {HERE}
+the goal is no vertex of the map; when it cannot be reached, replan. Yours gives up
+    stopped is None -> stopped is None or path[stopped] == GOAL
+    return True -> return stopped is None
+the goal is no vertex of the map; when it cannot be reached, exclude nothing. Yours excludes the
+vertex before it
+    path[stopped] -> path[stopped - (path[stopped] == GOAL)]
+a plan that ends at the goal in vain was a plan, too; count it
+    for _ in range(replans + 1) -> while replans >= 0
+    excluded |= -> replans -= vertex != GOAL; excluded |=
+it arrived: drive returned None
+    return True -> return False
+on a refusal it did not arrive: return False
+    break -> return True, excluded
+return all vertices that were excluded, also on arrival
+    return True, excluded -> return True, set()
+a lost robot needs a new plan; yours drives along the old one
+    excluded = set[Vertex]() -> excluded, path = set(), None
+    path = plan(set(excluded)) -> path = plan(set()) if path is None else path
+after the first plan there may be `replans` more; yours makes one too few
+    replans + 1 -> replans
+after the first plan there may be `replans` more; yours makes one too many
+    replans + 1 -> replans + 2
+yours plans only once
+    replans + 1 -> 1
+where `replans` is 0 there is the first plan and no other
+    replans + 1 -> max(replans, 1) + 1
+exclude path[stopped] alone: those before it were reached
+    {vertex} -> set(path[: stopped + 1] if vertex != GOAL else [])
+vertex 0 is a vertex of the map like the others; only GOAL is never excluded
+    {HERE, GOAL} -> {HERE, GOAL, 0}
+"""
+_HINTS: dict[type[Exception], str] = {
+    TypeError: "plan(excluded) and drive(path) take one argument each; drive returns a number or "
+    "None",
+    IndexError: "stopped is a place along the path: path[stopped]",
+}
+_SAID = {
+    "NoneType": "drive returned None, on arrival: that is no place. Drive once a round, ask for "
+    "None first"
 }
 
 
@@ -209,34 +181,7 @@ def _play(
 
 
 def _invoke(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, list[Any]]:  # noqa: ANN401
-    words = "plan(excluded) and drive(path) take one argument each; drive returns a number or None"
-    hints = {TypeError: words, IndexError: "stopped is a place along the path: path[stopped]"}
-    none = (
-        "drive returned None, on arrival: that is no place. Drive once a round, ask for None first"
-    )
-    try:
-        return explaining(what, lambda: _play(student, *case), hints, {"NoneType": none})
-    except WrongAnswer as wrong:
-        said = str(wrong)
-        raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None
-
-
-@check(travel, (lambda excluded: [HERE, 1, GOAL], lambda path: None, 3))
-def check_travel(student: Callable[..., Any]) -> None:
-    """Nine navigations: to the goal at once, after being lost, refused, and in vain."""
-    faults = with_faults(_travelled, _FAULTS)
-    played = {words: partial(_play, rule) for words, rule in faults.items()}
-    compare(
-        "travel",
-        student,
-        _CASES,
-        partial(_play, travel),
-        played,
-        invoke=_invoke,
-        form=_ending,
-        difference=_differ,
-        broken=_broken,
-    )
+    return explaining(what, partial(_play, student, *case), _HINTS, _SAID)
 
 
 def _ending(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
@@ -300,3 +245,18 @@ def _told(log: list[Any], case: tuple[Any, ...]) -> str:
         return ", after the robot has arrived"
     vertex = "the goal" if drives[-1][stopped] == GOAL else f"vertex {drives[-1][stopped]}"
     return f", after {vertex} could not be reached on {list(drives[-1])}"
+
+
+check_travel = exercise(
+    travel,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Navigations: to the goal at once, after being lost, refused, and in vain.",
+    example=case(lambda excluded: [HERE, 1, GOAL], lambda path: None, 3),
+    run=_play,
+    invoke=_invoke,
+    form=_ending,
+    difference=_differ,
+    broken=_broken,
+)

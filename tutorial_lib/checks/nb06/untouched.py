@@ -65,11 +65,14 @@ def explaining(
         said: what words of Python's own message mean here; they go first.
 
     Raises:
-        WrongAnswer: when an error was raised: what it was, its line, and what it may mean.
+        WrongAnswer: when an error was raised: what it was, its line, and what it may mean; or by
+            what the student's function was given, and then `what` goes before it.
     """
     try:
         return student()
-    except (WrongAnswer, NotImplementedError, MemoryError):
+    except WrongAnswer as wrong:
+        raise WrongAnswer(f"{what}: {wrong}") from None
+    except (NotImplementedError, MemoryError):
         raise
     except Exception as error:
         raise WrongAnswer(
