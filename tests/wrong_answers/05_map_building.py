@@ -234,49 +234,9 @@ def reusable__right_with_max(into, onward, allowed, p_reuse):
     return max(fits, key=lambda vertex: into[vertex] * onward[vertex], default=-1)
 
 
-def ahead_of__may_stand_still(trajectory, place, reused):
-    """the vertex itself may not follow itself"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= (trajectory != trajectory[vertex]) | (place >= place[vertex])
-    return allowed
-
-
-def ahead_of__mixes_trajectories(trajectory, place, reused):
-    """vertices of other trajectories may be taken"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= place > place[vertex]
-    return allowed
-
-
 def ahead_of__one_of_each_trajectory(trajectory, place, reused):
     """those that lie ahead may be taken"""
     return ~np.isin(trajectory, trajectory[reused]) if reused else np.ones(len(place), dtype=bool)
-
-
-def ahead_of__backwards(trajectory, place, reused):
-    """yours goes backwards"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= (trajectory != trajectory[vertex]) | (place < place[vertex])
-    return allowed
-
-
-def ahead_of__forgets_the_earlier_ones(trajectory, place, reused):
-    """not only the last one"""
-    if not reused:
-        return np.ones(len(place), dtype=bool)
-    vertex = reused[-1]
-    return (trajectory != trajectory[vertex]) | (place > place[vertex])
-
-
-def ahead_of__compares_indices(trajectory, place, reused):
-    """a vertex's index says nothing about its place"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= (trajectory != trajectory[vertex]) | (np.arange(len(place)) > vertex)
-    return allowed
 
 
 def ahead_of__lists_them(trajectory, place, reused):
@@ -906,23 +866,6 @@ def reusable__onward_only_max(into, onward, allowed, p):
     """the step into the vertex counts, too: into *"""
     f = (into > p) & (onward > p) & allowed
     return int(np.where(f, onward, -1).argmax()) if f.any() else -1
-
-
-def ahead_of__max_index(t, p, reused):
-    """the vertices in reused are in the order of reuse: all of them count, not only"""
-    ok = np.ones(len(p), bool)
-    if reused:
-        v = max(reused)
-        ok = (t != t[v]) | (p > p[v])
-    return ok
-
-
-def ahead_of__gt_next(t, p, reused):
-    """not only the next one: all that lie ahead on the trajectory may be"""
-    ok = np.ones(len(p), bool)
-    for v in reused:
-        ok &= (t != t[v]) | (p == p[v] + 1)
-    return ok
 
 
 def ahead_of__or(t, p, reused):
