@@ -141,58 +141,10 @@ def reusable__best_first(into, onward, allowed, p_reuse):
     return best if min(into[best], onward[best]) > p_reuse and allowed[best] else -1
 
 
-def reusable__only_into(into, onward, allowed, p_reuse):
-    """the next anchor must be reachable from the vertex, too"""
-    fits = (into > p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__only_onward(into, onward, allowed, p_reuse):
-    """the vertex must be reachable from the anchor before, too"""
-    fits = (onward > p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__one_is_enough(into, onward, allowed, p_reuse):
-    """both must be above p_reuse"""
-    fits = ((into > p_reuse) | (onward > p_reuse)) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
 def reusable__the_product_is_enough(into, onward, allowed, p_reuse):
     """each of the two must be above p_reuse, not their product"""
     product = np.where(allowed, into * onward, -1.0)
     return int(product.argmax()) if (product > p_reuse).any() else -1
-
-
-def reusable__the_first(into, onward, allowed, p_reuse):
-    """take the most probable path, into * onward, not the first"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(fits.argmax()) if fits.any() else -1
-
-
-def reusable__adds(into, onward, allowed, p_reuse):
-    """are multiplied, not added"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(np.where(fits, into + onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__the_weaker_one(into, onward, allowed, p_reuse):
-    """not the greatest minimum"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(np.where(fits, np.minimum(into, onward), -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__takes_any(into, onward, allowed, p_reuse):
-    """only vertices that are allowed may be taken"""
-    fits = (into > p_reuse) & (onward > p_reuse)
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__counts_those_that_fit(into, onward, allowed, p_reuse):
-    """not its index in the map"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int((into * onward)[fits].argmax()) if fits.any() else -1
 
 
 def reusable__always_one(into, onward, allowed, p_reuse):
@@ -201,22 +153,10 @@ def reusable__always_one(into, onward, allowed, p_reuse):
     return int(np.where(fits, into * onward, -1.0).argmax())
 
 
-def reusable__vertex_0_for_none(into, onward, allowed, p_reuse):
-    """-1, not vertex 0"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else 0
-
-
 def reusable__none(into, onward, allowed, p_reuse):
     """return -1 where no vertex fits"""
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
     return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else None
-
-
-def reusable__takes_the_threshold_itself(into, onward, allowed, p_reuse):
-    """greater than p_reuse, not equal to it"""
-    fits = (into >= p_reuse) & (onward >= p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
 
 
 def reusable__right_with_a_loop(into, onward, allowed, p_reuse):
@@ -822,12 +762,6 @@ def edge_weights__neq1(reach, driven, p_edge):
     return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
-def reusable__has_a_bound_of_its_own(into, onward, allowed, p_reuse):
-    """p_reuse is an argument, and not always"""
-    f = (into > 0.99) & (onward > 0.99) & allowed
-    return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
-
-
 def reusable__truthy(into, onward, allowed, p):
     """vertex 0 is a vertex like any other, and may be the best"""
     f = (into > p) & (onward > p) & allowed
@@ -860,12 +794,6 @@ def reusable__mutates(into, onward, allowed, p):
     into[~allowed] = 0
     f = (into > p) & (onward > p)
     return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
-
-
-def reusable__onward_only_max(into, onward, allowed, p):
-    """the step into the vertex counts, too: into *"""
-    f = (into > p) & (onward > p) & allowed
-    return int(np.where(f, onward, -1).argmax()) if f.any() else -1
 
 
 def ahead_of__or(t, p, reused):
