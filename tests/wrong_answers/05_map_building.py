@@ -212,73 +212,18 @@ def ahead_of__right_with_a_comprehension(trajectory, place, reused):
     )
 
 
-def _pair_by_pair(reach, before, after, steps, fold=min, directions=(-1, 1), missing=()):
-    """Aligned sequences; in `directions`, with `missing` for what does not exist."""
-    found = np.empty_like(reach)
-    for row, column in np.ndindex(*reach.shape):
-        values = [reach[row, column]]
-        for step in directions:
-            i, v = row, column
+def _pair_by_pair(reach, before, after, steps, into=None):
+    """The right answer, written into a new table or into another one."""
+    least = reach.copy() if into is None else into
+    for i, v in np.ndindex(*reach.shape):
+        for step, beside in ((-1, before), (1, after)):
+            row, column = i, v
             for _ in range(steps):
-                i, v = i + step, (after if step > 0 else before)[v]
-                if not 0 <= i < len(reach) or v < 0:
-                    values.extend(missing)
+                row, column = row + step, beside[column]
+                if not 0 <= row < len(reach) or column < 0:
                     break
-                values.append(reach[i, v])
-        found[row, column] = fold(values)
-    return found
-
-
-def weakest_aligned__mean(reach, before, after, steps):
-    """the least of them counts, not their mean"""
-    return _pair_by_pair(reach, before, after, steps, np.mean)
-
-
-def weakest_aligned__product(reach, before, after, steps):
-    """the least of them counts, not their product"""
-    return _pair_by_pair(reach, before, after, steps, np.prod)
-
-
-def weakest_aligned__only_back(reach, before, after, steps):
-    """the anchors after count, too"""
-    return _pair_by_pair(reach, before, after, steps, directions=(-1,))
-
-
-def weakest_aligned__only_ahead(reach, before, after, steps):
-    """the anchors before count, too"""
-    return _pair_by_pair(reach, before, after, steps, directions=(1,))
-
-
-def weakest_aligned__ends_are_0(reach, before, after, steps):
-    """what does not exist is not 0"""
-    return _pair_by_pair(reach, before, after, steps, missing=(0.0,))
-
-
-def weakest_aligned__one_step(reach, before, after, steps):
-    """only one anchor on either side counts in yours"""
-    return _pair_by_pair(reach, before, after, min(steps, 1))
-
-
-def weakest_aligned__alone(reach, before, after, steps):
-    """the neighbours on either side count as well"""
-    return reach.copy()
-
-
-def weakest_aligned__crossed(reach, before, after, steps):
-    """both move in the same direction"""
-    return _pair_by_pair(reach, after, before, steps)
-
-
-def weakest_aligned__by_number(reach, before, after, steps):
-    """the next vertex along a trajectory is after[v], not v + 1"""
-    numbers = np.arange(reach.shape[1])
-    return _pair_by_pair(reach, numbers - 1, np.append(numbers[1:], -1), steps)
-
-
-def weakest_aligned__the_vertex_stays(reach, before, after, steps):
-    """the vertex moves along its trajectory, too"""
-    numbers = np.arange(reach.shape[1])
-    return _pair_by_pair(reach, numbers, numbers, steps)
+                least[i, v] = min(least[i, v], reach[row, column])
+    return least
 
 
 def weakest_aligned__leaves_the_table(reach, before, after, steps):
@@ -295,20 +240,6 @@ def weakest_aligned__leaves_the_table(reach, before, after, steps):
 def weakest_aligned__a_list(reach, before, after, steps):
     """return a numpy array"""
     return _pair_by_pair(reach, before, after, steps).tolist()
-
-
-def weakest_aligned__goes_on(reach, before, after, steps):
-    """after a -1 the sequence has ended"""
-    found = reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for step, beside in ((-1, before), (1, after)):
-            row, column = i, v
-            for _ in range(steps):
-                row, column = row + step, beside[column]
-                if not 0 <= row < len(reach) or column < 0:
-                    continue
-                found[i, v] = min(found[i, v], reach[row, column])
-    return found
 
 
 def weakest_aligned__of_neighbours(reach, before, after, steps):
@@ -662,19 +593,6 @@ def insert__right_with_tables(grown, own, scores, p_reuse):
     return grown
 
 
-def _wa(reach, before, after, steps, inc=True, mut=False, stop=True):
-    least = reach if mut else reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for d, b in ((-1, before), (1, after)):
-            r, c = i, v
-            for _ in range(steps):
-                r, c = r + d, b[c]
-                if not 0 <= r < len(reach) or c < 0:
-                    break
-                least[i, v] = min(least[i, v], reach[r, c])
-    return least
-
-
 def _an(reach, before, after, p, rules=((1, 1), (-1, -1), (0, 1), (0, -1))):
     f = np.zeros(reach.shape, bool)
     for i, v in np.argwhere(reach > p):
@@ -840,29 +758,9 @@ def ahead_of__crash_empty(t, p, reused):
     return (t != t[v]) | (p > p[v])
 
 
-def weakest_aligned__maxsteps2(reach, before, after, steps):
-    """steps is an argument; yours always looks two anchors to either"""
-    return _wa(reach, before, after, 2)
-
-
 def weakest_aligned__mutates(reach, before, after, steps):
     """your function changes its argument reach"""
-    return _wa(reach, before, after, steps, mut=True)
-
-
-def weakest_aligned__farthest_only(reach, before, after, steps):
-    """all pairs on the way count, not only the farthest on either"""
-    least = reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for d, b in ((-1, before), (1, after)):
-            r, c = i, v
-            for _ in range(steps):
-                r2, c2 = r + d, b[c]
-                if not 0 <= r2 < len(reach) or c2 < 0:
-                    break
-                r, c = r2, c2
-            least[i, v] = min(least[i, v], reach[r, c])
-    return least
+    return _pair_by_pair(reach, before, after, steps, reach)
 
 
 def weakest_aligned__continues_from_end(reach, before, after, steps):
@@ -874,20 +772,6 @@ def weakest_aligned__continues_from_end(reach, before, after, steps):
             for _ in range(steps):
                 r, c = r + d, b[c]
                 if not 0 <= r < len(reach) or c < 0:
-                    break
-                least[i, v] = min(least[i, v], reach[r, c])
-    return least
-
-
-def weakest_aligned__zero_false(reach, before, after, steps):
-    """anchor 0 and vertex 0 exist; only -1 is"""
-    least = reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for d, b in ((-1, before), (1, after)):
-            r, c = i, v
-            for _ in range(steps):
-                r, c = r + d, b[c]
-                if not 0 < r < len(reach) or c <= 0:
                     break
                 least[i, v] = min(least[i, v], reach[r, c])
     return least
@@ -977,20 +861,6 @@ def insert__never_replaces_the_last(grown, own, scores, p_reuse):
         return into, grown.reach[grown.vertices, own[min(i + 1, len(own) - 1)]]
 
     check_insert.reference(grown, own, scores, p_reuse, through=into_and_onward)
-
-
-def weakest_aligned__takes_minus_1_for_the_last(reach, before, after, steps):
-    """to numpy it is the last one; there the sequence ends"""
-    least = reach.copy()
-    for row, column in np.ndindex(*reach.shape):
-        for step, beside in ((-1, before), (1, after)):
-            i, v = row, column
-            for _ in range(steps):
-                i, v = i + step, beside[v]
-                if not 0 <= i < len(reach):
-                    break
-                least[row, column] = min(least[row, column], reach[i, v])
-    return least
 
 
 def weakest_aligned__stops_on_both_sides(reach, before, after, steps):
