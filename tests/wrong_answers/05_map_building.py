@@ -274,77 +274,15 @@ def weakest_aligned__right_shifted(reach, before, after, steps):
 _FOUR = ((1, 1), (-1, -1), (0, 1), (0, -1))
 
 
-def _search(reach, before, after, sure, steps=_FOUR, again=False):
+def _search(reach, before, after, sure):
     """Pairs beside sure ones."""
     found = np.zeros(reach.shape, dtype=bool)
     for row, column in np.argwhere(sure):
-        for along, across in steps:
+        for along, across in _FOUR:
             i, v = row + along, {0: column, 1: after[column], -1: before[column]}[across]
             if 0 <= i < len(reach) and v >= 0:
-                found[i, v] = again or np.isnan(reach[i, v])
+                found[i, v] = np.isnan(reach[i, v])
     return found
-
-
-def ask_next__asks_again(reach, before, after, p_edge):
-    """query no pair twice"""
-    return _search(reach, before, after, reach > p_edge, again=True)
-
-
-def ask_next__beside_all(reach, before, after, p_edge):
-    """only neighbours of pairs that are sure are worth it"""
-    return _search(reach, before, after, ~np.isnan(reach))
-
-
-def ask_next__takes_the_threshold_itself(reach, before, after, p_edge):
-    """greater than p_edge, not equal to it"""
-    return _search(reach, before, after, reach >= p_edge)
-
-
-def ask_next__takes_the_last_column_for_none(reach, before, after, p_edge):
-    """-1 is no vertex: where after or before is -1"""
-    found = np.zeros(reach.shape, dtype=bool)
-    for i, v in np.argwhere(reach > p_edge):
-        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= row < len(reach):
-                found[row, column] = True
-    return found & np.isnan(reach)
-
-
-def ask_next__takes_the_last_row_for_none(reach, before, after, p_edge):
-    """-1 is no anchor: before the first one"""
-    found = np.zeros(reach.shape, dtype=bool)
-    for i, v in np.argwhere(reach > p_edge):
-        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if row < len(reach) and column >= 0:
-                found[row, column] = True
-    return found & np.isnan(reach)
-
-
-def ask_next__only_both(reach, before, after, p_edge):
-    """for the same anchor, are worth it, too"""
-    return _search(reach, before, after, reach > p_edge, _FOUR[:2])
-
-
-def ask_next__only_the_vertex(reach, before, after, p_edge):
-    """when both move on by one they look alike again"""
-    return _search(reach, before, after, reach > p_edge, _FOUR[2:])
-
-
-def ask_next__only_ahead(reach, before, after, p_edge):
-    """look in both directions"""
-    return _search(reach, before, after, reach > p_edge, _FOUR[::2])
-
-
-def ask_next__crossed(reach, before, after, p_edge):
-    """both move in the same direction"""
-    steps = ((1, -1), (-1, 1), *_FOUR[2:])
-    return _search(reach, before, after, reach > p_edge, steps)
-
-
-def ask_next__by_number(reach, before, after, p_edge):
-    """the next vertex along a trajectory is after[v], not v + 1"""
-    numbers = np.arange(reach.shape[1])
-    return _search(reach, numbers - 1, np.append(numbers[1:], -1), reach > p_edge)
 
 
 def ask_next__wraps(reach, before, after, p_edge):
@@ -593,17 +531,6 @@ def insert__right_with_tables(grown, own, scores, p_reuse):
     return grown
 
 
-def _an(reach, before, after, p, rules=((1, 1), (-1, -1), (0, 1), (0, -1))):
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for a, b in rules:
-            r = i + a
-            c = after[v] if b > 0 else before[v] if b < 0 else v
-            if 0 <= r < len(reach) and c >= 0:
-                f[r, c] = True
-    return f
-
-
 def edge_weights__threshold_of_09(reach, driven, p_edge):
     """p_edge is an argument; yours always takes 0.9"""
     kept = (reach > 0.9) | driven
@@ -782,55 +709,9 @@ def weakest_aligned__nan(reach, before, after, steps):
     return np.full_like(reach, np.nan)
 
 
-def ask_next__eq_nan(reach, before, after, p):
-    """yours never queries anything. Is np.isnan used? Nothing is == np.nan, not even"""
-    f = _an(reach, before, after, p)
-    return f & (reach == np.nan)
-
-
-def ask_next__only_first_row_check(reach, before, after, p):
-    """row 0 is an anchor,"""
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 < r < len(reach) and c >= 0:
-                f[r, c] = True
-    return f & np.isnan(reach)
-
-
-def ask_next__column0(reach, before, after, p):
-    """column 0 is a vertex,"""
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= r < len(reach) and c > 0:
-                f[r, c] = True
-    return f & np.isnan(reach)
-
-
-def ask_next__last_row(reach, before, after, p):
-    """the last row is an anchor,"""
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= r < len(reach) - 1 and c >= 0:
-                f[r, c] = True
-    return f & np.isnan(reach)
-
-
-def ask_next__p05(reach, before, after, p_edge):
-    """p_edge is an argument, and not always"""
-    return _an(reach, before, after, 0.5) & np.isnan(reach)
-
-
-def ask_next__nonan(reach, before, after, p):
-    """not all that is unknown is worth a query, only what lies beside a sure"""
-    return np.isnan(reach)
-
-
 def ask_next__mutates(reach, before, after, p):
     """your function changes its argument reach"""
-    f = _an(reach, before, after, p) & np.isnan(reach)
+    f = _search(reach, before, after, reach > p)
     reach[np.isnan(reach)] = 0
     return f
 
