@@ -7,89 +7,6 @@ import numpy as np
 from tutorial_lib.checks.nb05 import check_insert
 
 
-def edge_weights__forgets_the_minus(reach, driven, p_edge):
-    """a weight is never negative"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__takes_the_threshold_itself(reach, driven, p_edge):
-    """greater than p_edge, not equal to it"""
-    kept = (reach >= p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__prunes_what_was_driven(reach, driven, p_edge):
-    """driven edges stay"""
-    kept = reach > p_edge
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__keeps_only_what_was_driven(reach, driven, p_edge):
-    """only driven edges are edges in yours"""
-    return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__driven_costs_nothing(reach, driven, p_edge):
-    """a driven edge has a weight like any other one"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    sure = np.where(driven, 1.0, reach)
-    return np.where(kept, -np.log(np.maximum(sure, 1e-12)), np.inf)
-
-
-def edge_weights__infinite_where_driven(reach, driven, p_edge):
-    """a driven edge stays where RE is 0, too"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    with np.errstate(divide="ignore"):
-        return np.where(kept, -np.log(reach), np.inf)
-
-
-def edge_weights__joins_each_to_itself(reach, driven, p_edge):
-    """no vertex is joined to itself"""
-    return np.where((reach > p_edge) | driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__both_ways(reach, driven, p_edge):
-    """the map is directed"""
-    reach, driven = np.maximum(reach, reach.T), driven | driven.T
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__from_column_to_row(reach, driven, p_edge):
-    """row and column are exchanged"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf).T
-
-
-def edge_weights__no_logarithm(reach, driven, p_edge):
-    """that is 1 - RE"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, 1 - reach, np.inf)
-
-
-def edge_weights__probabilities(reach, driven, p_edge):
-    """that is RE itself"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, reach, np.inf)
-
-
-def edge_weights__zero_for_none(reach, driven, p_edge):
-    """where there is no edge the weight is inf, not 0"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 0.0)
-
-
 def edge_weights__lists_the_edges(reach, driven, p_edge):
     """but (6, 6) is needed"""
     return np.argwhere((reach > p_edge) | driven)
@@ -101,20 +18,6 @@ def edge_weights__writes_into_the_table(reach, driven, p_edge):
     np.fill_diagonal(reach, 0.0)
     with np.errstate(divide="ignore"):
         return -np.log(reach)
-
-
-def edge_weights__adds_a_little(reach, driven, p_edge):
-    """take the greater one of RE and 1e-12"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(reach + 1e-12), np.inf)
-
-
-def edge_weights__replaces_only_0(reach, driven, p_edge):
-    """1e-12 stands for every RE that is smaller"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.where(reach == 0, 1e-12, reach)), np.inf)
 
 
 def edge_weights__right_with_loops(reach, driven, p_edge):
@@ -531,40 +434,12 @@ def insert__right_with_tables(grown, own, scores, p_reuse):
     return grown
 
 
-def edge_weights__threshold_of_09(reach, driven, p_edge):
-    """p_edge is an argument; yours always takes 0.9"""
-    kept = (reach > 0.9) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__and(reach, driven, p_edge):
-    """an edge needs RE above p_edge or a trajectory that goes there, not both: |, not"""
-    kept = (reach > p_edge) & driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
 def edge_weights__diag_one(reach, driven, p_edge):
     """yours joins vertex 0 to itself with 1; the diagonal is np.inf"""
     kept = (reach > p_edge) | driven
     w = np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
     np.fill_diagonal(w, 1.0)
     return w
-
-
-def edge_weights__clip_at_p(reach, driven, p_edge):
-    """a driven edge weighs by its own RE, also where that is below p_edge"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, p_edge)), np.inf)
-
-
-def edge_weights__driven_symmetric(reach, driven, p_edge):
-    """a trajectory goes in one direction: driven[i, j] is no edge from j to i"""
-    kept = (reach > p_edge) | driven | driven.T
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
 def edge_weights__mutates_driven(reach, driven, p_edge):
@@ -574,24 +449,11 @@ def edge_weights__mutates_driven(reach, driven, p_edge):
     return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
-def edge_weights__log2(reach, driven, p_edge):
-    """the natural logarithm is meant: np.log, not np.log2"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log2(np.maximum(reach, 1e-12)), np.inf)
-
-
 def edge_weights__big(reach, driven, p_edge):
     """where there is no edge the weight is np.inf; yours has 1e+09 everywhere"""
     kept = (reach > p_edge) | driven
     np.fill_diagonal(kept, False)
     return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 1e9)
-
-
-def edge_weights__upper(reach, driven, p_edge):
-    """edges lead in both directions: yours has none from a greater index to a smaller"""
-    kept = np.triu((reach > p_edge) | driven, 1)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
 def edge_weights__eps6(reach, driven, p_edge):
