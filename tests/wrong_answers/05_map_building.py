@@ -4,8 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from tutorial_lib.checks.nb05 import check_insert
-
 
 def edge_weights__lists_the_edges(reach, driven, p_edge):
     """but (6, 6) is needed"""
@@ -226,25 +224,6 @@ def ask_next__right_with_padding(reach, before, after, p_edge):
     return near & np.isnan(reach)
 
 
-def _inserted(grown, own, p_reuse, into_from=None, onward_to=None, allowed=None):
-    """The new path, and the vertices that were reused."""
-    path, reused = [], []
-    for i in range(len(own)):
-        before = into_from(i) if into_from else (path[i - 1] if i else own[0])
-        after = onward_to(i) if onward_to else own[min(i + 1, len(own) - 1)]
-        into = grown.reach[before, grown.vertices]
-        onward = grown.reach[grown.vertices, after]
-        if allowed:
-            may = allowed(grown, reused)
-        else:
-            may = np.array([_ahead(grown, v, reused) for v in grown.vertices], dtype=bool)
-        found = reusable__right_with_a_loop(into, onward, may, p_reuse)
-        path.append(int(own[i]) if found < 0 else grown.vertices[found])
-        if found >= 0:
-            reused.append(grown.vertices[found])
-    return path, reused
-
-
 def _ahead(grown, vertex, reused):
     return all(
         grown.trajectory[vertex] != grown.trajectory[r] or grown.place[vertex] > grown.place[r]
@@ -252,171 +231,108 @@ def _ahead(grown, vertex, reused):
     )
 
 
-def _added(grown, own, path, places=None, ends=(-1, -1)):
+def _path(grown, own, p_reuse, ahead=_ahead, last=None):
+    """The new path; `last` is the anchor after the last one."""
+    path, reused = [], []
+    after = [*own[1:], own[-1] if last is None else last]
+    for i in range(len(own)):
+        into = grown.reach[path[i - 1] if i else own[0], grown.vertices]
+        onward = grown.reach[grown.vertices, after[i]]
+        allowed = np.array([ahead(grown, v, reused) for v in grown.vertices], dtype=bool)
+        found = reusable__right_with_a_loop(into, onward, allowed, p_reuse)
+        path.append(int(own[i]) if found < 0 else grown.vertices[found])
+        if found >= 0:
+            reused.append(grown.vertices[found])
+    return path
+
+
+def _insert(grown, own, scores, p_reuse, **options):
+    """The right answer, which returns the path and the new vertices."""
+    path = _path(grown, own, p_reuse, **options)
     new = [int(a) for a in own if int(a) in path]
     for place, vertex in enumerate(path):
         if vertex in new:
-            grown.trajectory[vertex] = len(grown.paths)
-            grown.place[vertex] = places(vertex, new) if places else place
-            grown.before[vertex] = path[place - 1] if place else ends[0]
-            grown.after[vertex] = path[place + 1] if place + 1 < len(path) else ends[1]
+            grown.trajectory[vertex], grown.place[vertex] = len(grown.paths), place
+            grown.before[vertex] = path[place - 1] if place else -1
+            grown.after[vertex] = path[place + 1] if place + 1 < len(path) else -1
     grown.vertices += new
     grown.paths.append(path)
-    return new
-
-
-def _connected(grown, new, path, scores, others=None, both=True):
     for v in new:
-        for w in grown.vertices if others is None else others:
+        for w in grown.vertices:
             if v != w:
-                grown.edge_reach[v, w] = scores[v, w]
-                if both:
-                    grown.edge_reach[w, v] = scores[w, v]
-    _driven(grown, path)
-
-
-def _driven(grown, path):
+                grown.edge_reach[v, w], grown.edge_reach[w, v] = scores[v, w], scores[w, v]
     for v, w in pairwise(path):
         grown.driven[v, w] = True
         grown.edge_reach[v, w] = max(grown.edge_reach[v, w], grown.reach[v, w])
-
-
-def insert__from_the_dropped_anchor(grown, own, scores, p_reuse):
-    """take RE from that one, not from the anchor"""
-    path, _ = _inserted(grown, own, p_reuse, into_from=lambda i: own[max(i - 1, 0)])
-    _connected(grown, _added(grown, own, path), path, scores)
-
-
-def insert__onward_to_itself(grown, own, scores, p_reuse):
-    """not to the anchor itself"""
-    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i])
-    _connected(grown, _added(grown, own, path), path, scores)
+    return path, new
 
 
 def insert__allows_all(grown, own, scores, p_reuse):
     """Never backwards"""
-    path, _ = _inserted(
-        grown, own, p_reuse, allowed=lambda g, _: np.ones(len(g.vertices), dtype=bool)
-    )
-    _connected(grown, _added(grown, own, path), path, scores)
-
-
-def insert__reuses_nothing(grown, own, scores, p_reuse):
-    """your trajectory never reuses a vertex"""
-    path = own.tolist()
-    _connected(grown, _added(grown, own, path), path, scores)
-
-
-def insert__joins_one_way(grown, own, scores, p_reuse):
-    """join in both directions"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores, both=False)
-
-
-def insert__joins_only_old_ones(grown, own, scores, p_reuse):
-    """the new vertices are joined with each other, too"""
-    path, _ = _inserted(grown, own, p_reuse)
-    old = list(grown.vertices)
-    _connected(grown, _added(grown, own, path), path, scores, old)
+    _insert(grown, own, scores, p_reuse, ahead=lambda *_: True)
 
 
 def insert__joins_each_with_itself(grown, own, scores, p_reuse):
     """with every other vertex, not with itself"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
-    _connected(grown, new, path, scores)
+    _, new = _insert(grown, own, scores, p_reuse)
     grown.edge_reach[new, new] = scores[new, new]
-
-
-def insert__joins_by_reach(grown, own, scores, p_reuse):
-    """edges have the RE in scores"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, grown.reach)
-
-
-def insert__only_the_trajectory(grown, own, scores, p_reuse):
-    """not only along the trajectory"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _added(grown, own, path)
-    _driven(grown, path)
 
 
 def insert__drives_over_dropped_anchors(grown, own, scores, p_reuse):
     """not over anchors that were replaced"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
     before = grown.driven.copy()
-    _connected(grown, new, path, scores)
+    _insert(grown, own, scores, p_reuse)
     grown.driven = before
     grown.driven[own[:-1], own[1:]] = True
 
 
-def insert__numbers_only_new_ones(grown, own, scores, p_reuse):
-    """the place counts all anchors"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path, places=lambda vertex, some: some.index(vertex))
-    _connected(grown, new, path, scores)
-
-
 def insert__counts_the_path_first(grown, own, scores, p_reuse):
     """is the number of paths before"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
+    _, new = _insert(grown, own, scores, p_reuse)
     grown.trajectory[new] += 1
-    _connected(grown, new, path, scores)
 
 
 def insert__the_last_for_none(grown, own, scores, p_reuse):
     """before is the vertex before on the path"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path, ends=(path[-1], -1))
-    _connected(grown, new, path, scores)
+    path, new = _insert(grown, own, scores, p_reuse)
+    if path[0] in new:
+        grown.before[path[0]] = path[-1]
 
 
 def insert__forgets_the_path(grown, own, scores, p_reuse):
     """paths, but"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
-    _connected(grown, new, path, scores)
+    _insert(grown, own, scores, p_reuse)
     grown.paths.pop()
 
 
 def insert__keeps_all_as_vertices(grown, own, scores, p_reuse):
     """though they were replaced"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
-    _connected(grown, new, path, scores)
+    _, new = _insert(grown, own, scores, p_reuse)
     grown.vertices += [int(a) for a in own if int(a) not in new]
 
 
 def insert__returns_a_path(grown, own, scores, p_reuse):
     """change the map that is given, return nothing"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores)
-    return path
+    return _insert(grown, own, scores, p_reuse)[0]
 
 
 def insert__writes_into_reach(grown, own, scores, p_reuse):
     """reach, scores and own are needed again"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores)
+    _insert(grown, own, scores, p_reuse)
     np.fill_diagonal(grown.reach, 0.0)
 
 
 def insert__goes_beyond_the_end(grown, own, scores, p_reuse):
     """IndexError"""
-    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i + 1])
-    _connected(grown, _added(grown, own, path), path, scores)
+    _insert(grown, own, scores, p_reuse, last=len(grown.reach))
 
 
 def insert__right_step_by_step(grown, own, scores, p_reuse):
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores)
+    _insert(grown, own, scores, p_reuse)
 
 
 def insert__right_with_tables(grown, own, scores, p_reuse):
-    path, _ = _inserted(grown, own, p_reuse)
-    path = np.array(path)
+    path = np.array(_path(grown, own, p_reuse))
     new = path == own
     around = np.concatenate([[-1], path, [-1]])
     grown.before[own[new]], grown.after[own[new]] = around[:-2][new], around[2:][new]
@@ -576,34 +492,6 @@ def ask_next__mutates(reach, before, after, p):
     f = _search(reach, before, after, reach > p)
     reach[np.isnan(reach)] = 0
     return f
-
-
-def insert__takes_reach_for_driven_steps(grown, own, scores, p_reuse):
-    """where scores has more, that stays"""
-    check_insert.reference(grown, own, scores, p_reuse)
-    for source, target in pairwise(grown.paths[-1]):
-        grown.edge_reach[source, target] = grown.reach[source, target]
-
-
-def insert__drives_new_steps_only(grown, own, scores, p_reuse):
-    """every step of the path is driven, also between vertices that were there"""
-    old = set(grown.vertices)
-    check_insert.reference(grown, own, scores, p_reuse)
-    for source, target in pairwise(grown.paths[-1]):
-        if source in old and target in old:
-            grown.driven[source, target] = False
-
-
-def insert__never_replaces_the_last(grown, own, scores, p_reuse):
-    """the last anchor may be replaced, too"""
-    last = int(own[-1])
-
-    def into_and_onward(grown, own, path, i):
-        before = path[i - 1] if i else own[0]
-        into = grown.reach[before, grown.vertices] * (own[i] != last)
-        return into, grown.reach[grown.vertices, own[min(i + 1, len(own) - 1)]]
-
-    check_insert.reference(grown, own, scores, p_reuse, through=into_and_onward)
 
 
 def weakest_aligned__stops_on_both_sides(reach, before, after, steps):
