@@ -118,6 +118,20 @@ def test_what_is_equal_how_to_say_it_and_what_to_draw_can_be_chosen():
     assert raised.value.picture.tolist() == [3, 4]
 
 
+def test_words_may_say_it_all():
+    options = {
+        "difference": lambda *_: "",
+        "broken": lambda got, want, a, b: f"{want}, not {got}",
+        "altered": lambda pairs: f"{len(pairs)} answers are new" if pairs[0][0] > 9 else "",
+    }
+    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not subtract$"):
+        compared(lambda a, b: a - b, **options)
+    with pytest.raises(WrongAnswer, match=r"^add, small: 3, not 7$"):
+        compared(lambda a, b: 7, **options)
+    with pytest.raises(WrongAnswer, match=r"^add, small: 3 answers are new$"):
+        compared(lambda a, b: 77, **options)
+
+
 def test_errors_are_explained():
     invoke = calling({IndexError: "stay within the list"}, {"division": "never divide by zero"})
     words = r"^add, small: your code stops with IndexError: .*, in line .*; stay within the list$"

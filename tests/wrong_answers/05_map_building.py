@@ -4,91 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from tutorial_lib.checks.nb05 import check_insert
-
-
-def edge_weights__forgets_the_minus(reach, driven, p_edge):
-    """a weight is never negative"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__takes_the_threshold_itself(reach, driven, p_edge):
-    """greater than p_edge, not equal to it"""
-    kept = (reach >= p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__prunes_what_was_driven(reach, driven, p_edge):
-    """driven edges stay"""
-    kept = reach > p_edge
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__keeps_only_what_was_driven(reach, driven, p_edge):
-    """only driven edges are edges in yours"""
-    return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__driven_costs_nothing(reach, driven, p_edge):
-    """a driven edge has a weight like any other one"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    sure = np.where(driven, 1.0, reach)
-    return np.where(kept, -np.log(np.maximum(sure, 1e-12)), np.inf)
-
-
-def edge_weights__infinite_where_driven(reach, driven, p_edge):
-    """a driven edge stays where RE is 0, too"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    with np.errstate(divide="ignore"):
-        return np.where(kept, -np.log(reach), np.inf)
-
-
-def edge_weights__joins_each_to_itself(reach, driven, p_edge):
-    """no vertex is joined to itself"""
-    return np.where((reach > p_edge) | driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__both_ways(reach, driven, p_edge):
-    """the map is directed"""
-    reach, driven = np.maximum(reach, reach.T), driven | driven.T
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__from_column_to_row(reach, driven, p_edge):
-    """row and column are exchanged"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf).T
-
-
-def edge_weights__no_logarithm(reach, driven, p_edge):
-    """that is 1 - RE"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, 1 - reach, np.inf)
-
-
-def edge_weights__probabilities(reach, driven, p_edge):
-    """that is RE itself"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, reach, np.inf)
-
-
-def edge_weights__zero_for_none(reach, driven, p_edge):
-    """where there is no edge the weight is inf, not 0"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 0.0)
-
 
 def edge_weights__lists_the_edges(reach, driven, p_edge):
     """but (6, 6) is needed"""
@@ -101,20 +16,6 @@ def edge_weights__writes_into_the_table(reach, driven, p_edge):
     np.fill_diagonal(reach, 0.0)
     with np.errstate(divide="ignore"):
         return -np.log(reach)
-
-
-def edge_weights__adds_a_little(reach, driven, p_edge):
-    """take the greater one of RE and 1e-12"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(reach + 1e-12), np.inf)
-
-
-def edge_weights__replaces_only_0(reach, driven, p_edge):
-    """1e-12 stands for every RE that is smaller"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.where(reach == 0, 1e-12, reach)), np.inf)
 
 
 def edge_weights__right_with_loops(reach, driven, p_edge):
@@ -141,58 +42,10 @@ def reusable__best_first(into, onward, allowed, p_reuse):
     return best if min(into[best], onward[best]) > p_reuse and allowed[best] else -1
 
 
-def reusable__only_into(into, onward, allowed, p_reuse):
-    """the next anchor must be reachable from the vertex, too"""
-    fits = (into > p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__only_onward(into, onward, allowed, p_reuse):
-    """the vertex must be reachable from the anchor before, too"""
-    fits = (onward > p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__one_is_enough(into, onward, allowed, p_reuse):
-    """both must be above p_reuse"""
-    fits = ((into > p_reuse) | (onward > p_reuse)) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
 def reusable__the_product_is_enough(into, onward, allowed, p_reuse):
     """each of the two must be above p_reuse, not their product"""
     product = np.where(allowed, into * onward, -1.0)
     return int(product.argmax()) if (product > p_reuse).any() else -1
-
-
-def reusable__the_first(into, onward, allowed, p_reuse):
-    """take the most probable path, into * onward, not the first"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(fits.argmax()) if fits.any() else -1
-
-
-def reusable__adds(into, onward, allowed, p_reuse):
-    """are multiplied, not added"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(np.where(fits, into + onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__the_weaker_one(into, onward, allowed, p_reuse):
-    """not the greatest minimum"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(np.where(fits, np.minimum(into, onward), -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__takes_any(into, onward, allowed, p_reuse):
-    """only vertices that are allowed may be taken"""
-    fits = (into > p_reuse) & (onward > p_reuse)
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
-
-
-def reusable__counts_those_that_fit(into, onward, allowed, p_reuse):
-    """not its index in the map"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int((into * onward)[fits].argmax()) if fits.any() else -1
 
 
 def reusable__always_one(into, onward, allowed, p_reuse):
@@ -201,22 +54,10 @@ def reusable__always_one(into, onward, allowed, p_reuse):
     return int(np.where(fits, into * onward, -1.0).argmax())
 
 
-def reusable__vertex_0_for_none(into, onward, allowed, p_reuse):
-    """-1, not vertex 0"""
-    fits = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else 0
-
-
 def reusable__none(into, onward, allowed, p_reuse):
     """return -1 where no vertex fits"""
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
     return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else None
-
-
-def reusable__takes_the_threshold_itself(into, onward, allowed, p_reuse):
-    """greater than p_reuse, not equal to it"""
-    fits = (into >= p_reuse) & (onward >= p_reuse) & allowed
-    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
 
 
 def reusable__right_with_a_loop(into, onward, allowed, p_reuse):
@@ -234,49 +75,9 @@ def reusable__right_with_max(into, onward, allowed, p_reuse):
     return max(fits, key=lambda vertex: into[vertex] * onward[vertex], default=-1)
 
 
-def ahead_of__may_stand_still(trajectory, place, reused):
-    """the vertex itself may not follow itself"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= (trajectory != trajectory[vertex]) | (place >= place[vertex])
-    return allowed
-
-
-def ahead_of__mixes_trajectories(trajectory, place, reused):
-    """vertices of other trajectories may be taken"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= place > place[vertex]
-    return allowed
-
-
 def ahead_of__one_of_each_trajectory(trajectory, place, reused):
     """those that lie ahead may be taken"""
     return ~np.isin(trajectory, trajectory[reused]) if reused else np.ones(len(place), dtype=bool)
-
-
-def ahead_of__backwards(trajectory, place, reused):
-    """yours goes backwards"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= (trajectory != trajectory[vertex]) | (place < place[vertex])
-    return allowed
-
-
-def ahead_of__forgets_the_earlier_ones(trajectory, place, reused):
-    """not only the last one"""
-    if not reused:
-        return np.ones(len(place), dtype=bool)
-    vertex = reused[-1]
-    return (trajectory != trajectory[vertex]) | (place > place[vertex])
-
-
-def ahead_of__compares_indices(trajectory, place, reused):
-    """a vertex's index says nothing about its place"""
-    allowed = np.ones(len(place), dtype=bool)
-    for vertex in reused:
-        allowed &= (trajectory != trajectory[vertex]) | (np.arange(len(place)) > vertex)
-    return allowed
 
 
 def ahead_of__lists_them(trajectory, place, reused):
@@ -312,73 +113,18 @@ def ahead_of__right_with_a_comprehension(trajectory, place, reused):
     )
 
 
-def _pair_by_pair(reach, before, after, steps, fold=min, directions=(-1, 1), missing=()):
-    """Aligned sequences; in `directions`, with `missing` for what does not exist."""
-    found = np.empty_like(reach)
-    for row, column in np.ndindex(*reach.shape):
-        values = [reach[row, column]]
-        for step in directions:
-            i, v = row, column
+def _pair_by_pair(reach, before, after, steps, into=None):
+    """The right answer, written into a new table or into another one."""
+    least = reach.copy() if into is None else into
+    for i, v in np.ndindex(*reach.shape):
+        for step, beside in ((-1, before), (1, after)):
+            row, column = i, v
             for _ in range(steps):
-                i, v = i + step, (after if step > 0 else before)[v]
-                if not 0 <= i < len(reach) or v < 0:
-                    values.extend(missing)
+                row, column = row + step, beside[column]
+                if not 0 <= row < len(reach) or column < 0:
                     break
-                values.append(reach[i, v])
-        found[row, column] = fold(values)
-    return found
-
-
-def weakest_aligned__mean(reach, before, after, steps):
-    """the least of them counts, not their mean"""
-    return _pair_by_pair(reach, before, after, steps, np.mean)
-
-
-def weakest_aligned__product(reach, before, after, steps):
-    """the least of them counts, not their product"""
-    return _pair_by_pair(reach, before, after, steps, np.prod)
-
-
-def weakest_aligned__only_back(reach, before, after, steps):
-    """the anchors after count, too"""
-    return _pair_by_pair(reach, before, after, steps, directions=(-1,))
-
-
-def weakest_aligned__only_ahead(reach, before, after, steps):
-    """the anchors before count, too"""
-    return _pair_by_pair(reach, before, after, steps, directions=(1,))
-
-
-def weakest_aligned__ends_are_0(reach, before, after, steps):
-    """what does not exist is not 0"""
-    return _pair_by_pair(reach, before, after, steps, missing=(0.0,))
-
-
-def weakest_aligned__one_step(reach, before, after, steps):
-    """only one anchor on either side counts in yours"""
-    return _pair_by_pair(reach, before, after, min(steps, 1))
-
-
-def weakest_aligned__alone(reach, before, after, steps):
-    """the neighbours on either side count as well"""
-    return reach.copy()
-
-
-def weakest_aligned__crossed(reach, before, after, steps):
-    """both move in the same direction"""
-    return _pair_by_pair(reach, after, before, steps)
-
-
-def weakest_aligned__by_number(reach, before, after, steps):
-    """the next vertex along a trajectory is after[v], not v + 1"""
-    numbers = np.arange(reach.shape[1])
-    return _pair_by_pair(reach, numbers - 1, np.append(numbers[1:], -1), steps)
-
-
-def weakest_aligned__the_vertex_stays(reach, before, after, steps):
-    """the vertex moves along its trajectory, too"""
-    numbers = np.arange(reach.shape[1])
-    return _pair_by_pair(reach, numbers, numbers, steps)
+                least[i, v] = min(least[i, v], reach[row, column])
+    return least
 
 
 def weakest_aligned__leaves_the_table(reach, before, after, steps):
@@ -395,20 +141,6 @@ def weakest_aligned__leaves_the_table(reach, before, after, steps):
 def weakest_aligned__a_list(reach, before, after, steps):
     """return a numpy array"""
     return _pair_by_pair(reach, before, after, steps).tolist()
-
-
-def weakest_aligned__goes_on(reach, before, after, steps):
-    """after a -1 the sequence has ended"""
-    found = reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for step, beside in ((-1, before), (1, after)):
-            row, column = i, v
-            for _ in range(steps):
-                row, column = row + step, beside[column]
-                if not 0 <= row < len(reach) or column < 0:
-                    continue
-                found[i, v] = min(found[i, v], reach[row, column])
-    return found
 
 
 def weakest_aligned__of_neighbours(reach, before, after, steps):
@@ -443,77 +175,15 @@ def weakest_aligned__right_shifted(reach, before, after, steps):
 _FOUR = ((1, 1), (-1, -1), (0, 1), (0, -1))
 
 
-def _search(reach, before, after, sure, steps=_FOUR, again=False):
+def _search(reach, before, after, sure):
     """Pairs beside sure ones."""
     found = np.zeros(reach.shape, dtype=bool)
     for row, column in np.argwhere(sure):
-        for along, across in steps:
+        for along, across in _FOUR:
             i, v = row + along, {0: column, 1: after[column], -1: before[column]}[across]
             if 0 <= i < len(reach) and v >= 0:
-                found[i, v] = again or np.isnan(reach[i, v])
+                found[i, v] = np.isnan(reach[i, v])
     return found
-
-
-def ask_next__asks_again(reach, before, after, p_edge):
-    """query no pair twice"""
-    return _search(reach, before, after, reach > p_edge, again=True)
-
-
-def ask_next__beside_all(reach, before, after, p_edge):
-    """only neighbours of pairs that are sure are worth it"""
-    return _search(reach, before, after, ~np.isnan(reach))
-
-
-def ask_next__takes_the_threshold_itself(reach, before, after, p_edge):
-    """greater than p_edge, not equal to it"""
-    return _search(reach, before, after, reach >= p_edge)
-
-
-def ask_next__takes_the_last_column_for_none(reach, before, after, p_edge):
-    """-1 is no vertex: where after or before is -1"""
-    found = np.zeros(reach.shape, dtype=bool)
-    for i, v in np.argwhere(reach > p_edge):
-        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= row < len(reach):
-                found[row, column] = True
-    return found & np.isnan(reach)
-
-
-def ask_next__takes_the_last_row_for_none(reach, before, after, p_edge):
-    """-1 is no anchor: before the first one"""
-    found = np.zeros(reach.shape, dtype=bool)
-    for i, v in np.argwhere(reach > p_edge):
-        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if row < len(reach) and column >= 0:
-                found[row, column] = True
-    return found & np.isnan(reach)
-
-
-def ask_next__only_both(reach, before, after, p_edge):
-    """for the same anchor, are worth it, too"""
-    return _search(reach, before, after, reach > p_edge, _FOUR[:2])
-
-
-def ask_next__only_the_vertex(reach, before, after, p_edge):
-    """when both move on by one they look alike again"""
-    return _search(reach, before, after, reach > p_edge, _FOUR[2:])
-
-
-def ask_next__only_ahead(reach, before, after, p_edge):
-    """look in both directions"""
-    return _search(reach, before, after, reach > p_edge, _FOUR[::2])
-
-
-def ask_next__crossed(reach, before, after, p_edge):
-    """both move in the same direction"""
-    steps = ((1, -1), (-1, 1), *_FOUR[2:])
-    return _search(reach, before, after, reach > p_edge, steps)
-
-
-def ask_next__by_number(reach, before, after, p_edge):
-    """the next vertex along a trajectory is after[v], not v + 1"""
-    numbers = np.arange(reach.shape[1])
-    return _search(reach, numbers - 1, np.append(numbers[1:], -1), reach > p_edge)
 
 
 def ask_next__wraps(reach, before, after, p_edge):
@@ -554,25 +224,6 @@ def ask_next__right_with_padding(reach, before, after, p_edge):
     return near & np.isnan(reach)
 
 
-def _inserted(grown, own, p_reuse, into_from=None, onward_to=None, allowed=None):
-    """The new path, and the vertices that were reused."""
-    path, reused = [], []
-    for i in range(len(own)):
-        before = into_from(i) if into_from else (path[i - 1] if i else own[0])
-        after = onward_to(i) if onward_to else own[min(i + 1, len(own) - 1)]
-        into = grown.reach[before, grown.vertices]
-        onward = grown.reach[grown.vertices, after]
-        if allowed:
-            may = allowed(grown, reused)
-        else:
-            may = np.array([_ahead(grown, v, reused) for v in grown.vertices], dtype=bool)
-        found = reusable__right_with_a_loop(into, onward, may, p_reuse)
-        path.append(int(own[i]) if found < 0 else grown.vertices[found])
-        if found >= 0:
-            reused.append(grown.vertices[found])
-    return path, reused
-
-
 def _ahead(grown, vertex, reused):
     return all(
         grown.trajectory[vertex] != grown.trajectory[r] or grown.place[vertex] > grown.place[r]
@@ -580,171 +231,108 @@ def _ahead(grown, vertex, reused):
     )
 
 
-def _added(grown, own, path, places=None, ends=(-1, -1)):
+def _path(grown, own, p_reuse, ahead=_ahead, last=None):
+    """The new path; `last` is the anchor after the last one."""
+    path, reused = [], []
+    after = [*own[1:], own[-1] if last is None else last]
+    for i in range(len(own)):
+        into = grown.reach[path[i - 1] if i else own[0], grown.vertices]
+        onward = grown.reach[grown.vertices, after[i]]
+        allowed = np.array([ahead(grown, v, reused) for v in grown.vertices], dtype=bool)
+        found = reusable__right_with_a_loop(into, onward, allowed, p_reuse)
+        path.append(int(own[i]) if found < 0 else grown.vertices[found])
+        if found >= 0:
+            reused.append(grown.vertices[found])
+    return path
+
+
+def _insert(grown, own, scores, p_reuse, **options):
+    """The right answer, which returns the path and the new vertices."""
+    path = _path(grown, own, p_reuse, **options)
     new = [int(a) for a in own if int(a) in path]
     for place, vertex in enumerate(path):
         if vertex in new:
-            grown.trajectory[vertex] = len(grown.paths)
-            grown.place[vertex] = places(vertex, new) if places else place
-            grown.before[vertex] = path[place - 1] if place else ends[0]
-            grown.after[vertex] = path[place + 1] if place + 1 < len(path) else ends[1]
+            grown.trajectory[vertex], grown.place[vertex] = len(grown.paths), place
+            grown.before[vertex] = path[place - 1] if place else -1
+            grown.after[vertex] = path[place + 1] if place + 1 < len(path) else -1
     grown.vertices += new
     grown.paths.append(path)
-    return new
-
-
-def _connected(grown, new, path, scores, others=None, both=True):
     for v in new:
-        for w in grown.vertices if others is None else others:
+        for w in grown.vertices:
             if v != w:
-                grown.edge_reach[v, w] = scores[v, w]
-                if both:
-                    grown.edge_reach[w, v] = scores[w, v]
-    _driven(grown, path)
-
-
-def _driven(grown, path):
+                grown.edge_reach[v, w], grown.edge_reach[w, v] = scores[v, w], scores[w, v]
     for v, w in pairwise(path):
         grown.driven[v, w] = True
         grown.edge_reach[v, w] = max(grown.edge_reach[v, w], grown.reach[v, w])
-
-
-def insert__from_the_dropped_anchor(grown, own, scores, p_reuse):
-    """take RE from that one, not from the anchor"""
-    path, _ = _inserted(grown, own, p_reuse, into_from=lambda i: own[max(i - 1, 0)])
-    _connected(grown, _added(grown, own, path), path, scores)
-
-
-def insert__onward_to_itself(grown, own, scores, p_reuse):
-    """not to the anchor itself"""
-    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i])
-    _connected(grown, _added(grown, own, path), path, scores)
+    return path, new
 
 
 def insert__allows_all(grown, own, scores, p_reuse):
     """Never backwards"""
-    path, _ = _inserted(
-        grown, own, p_reuse, allowed=lambda g, _: np.ones(len(g.vertices), dtype=bool)
-    )
-    _connected(grown, _added(grown, own, path), path, scores)
-
-
-def insert__reuses_nothing(grown, own, scores, p_reuse):
-    """your trajectory never reuses a vertex"""
-    path = own.tolist()
-    _connected(grown, _added(grown, own, path), path, scores)
-
-
-def insert__joins_one_way(grown, own, scores, p_reuse):
-    """join in both directions"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores, both=False)
-
-
-def insert__joins_only_old_ones(grown, own, scores, p_reuse):
-    """the new vertices are joined with each other, too"""
-    path, _ = _inserted(grown, own, p_reuse)
-    old = list(grown.vertices)
-    _connected(grown, _added(grown, own, path), path, scores, old)
+    _insert(grown, own, scores, p_reuse, ahead=lambda *_: True)
 
 
 def insert__joins_each_with_itself(grown, own, scores, p_reuse):
     """with every other vertex, not with itself"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
-    _connected(grown, new, path, scores)
+    _, new = _insert(grown, own, scores, p_reuse)
     grown.edge_reach[new, new] = scores[new, new]
-
-
-def insert__joins_by_reach(grown, own, scores, p_reuse):
-    """edges have the RE in scores"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, grown.reach)
-
-
-def insert__only_the_trajectory(grown, own, scores, p_reuse):
-    """not only along the trajectory"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _added(grown, own, path)
-    _driven(grown, path)
 
 
 def insert__drives_over_dropped_anchors(grown, own, scores, p_reuse):
     """not over anchors that were replaced"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
     before = grown.driven.copy()
-    _connected(grown, new, path, scores)
+    _insert(grown, own, scores, p_reuse)
     grown.driven = before
     grown.driven[own[:-1], own[1:]] = True
 
 
-def insert__numbers_only_new_ones(grown, own, scores, p_reuse):
-    """the place counts all anchors"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path, places=lambda vertex, some: some.index(vertex))
-    _connected(grown, new, path, scores)
-
-
 def insert__counts_the_path_first(grown, own, scores, p_reuse):
     """is the number of paths before"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
+    _, new = _insert(grown, own, scores, p_reuse)
     grown.trajectory[new] += 1
-    _connected(grown, new, path, scores)
 
 
 def insert__the_last_for_none(grown, own, scores, p_reuse):
     """before is the vertex before on the path"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path, ends=(path[-1], -1))
-    _connected(grown, new, path, scores)
+    path, new = _insert(grown, own, scores, p_reuse)
+    if path[0] in new:
+        grown.before[path[0]] = path[-1]
 
 
 def insert__forgets_the_path(grown, own, scores, p_reuse):
     """paths, but"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
-    _connected(grown, new, path, scores)
+    _insert(grown, own, scores, p_reuse)
     grown.paths.pop()
 
 
 def insert__keeps_all_as_vertices(grown, own, scores, p_reuse):
     """though they were replaced"""
-    path, _ = _inserted(grown, own, p_reuse)
-    new = _added(grown, own, path)
-    _connected(grown, new, path, scores)
+    _, new = _insert(grown, own, scores, p_reuse)
     grown.vertices += [int(a) for a in own if int(a) not in new]
 
 
 def insert__returns_a_path(grown, own, scores, p_reuse):
     """change the map that is given, return nothing"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores)
-    return path
+    return _insert(grown, own, scores, p_reuse)[0]
 
 
 def insert__writes_into_reach(grown, own, scores, p_reuse):
     """reach, scores and own are needed again"""
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores)
+    _insert(grown, own, scores, p_reuse)
     np.fill_diagonal(grown.reach, 0.0)
 
 
 def insert__goes_beyond_the_end(grown, own, scores, p_reuse):
     """IndexError"""
-    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i + 1])
-    _connected(grown, _added(grown, own, path), path, scores)
+    _insert(grown, own, scores, p_reuse, last=len(grown.reach))
 
 
 def insert__right_step_by_step(grown, own, scores, p_reuse):
-    path, _ = _inserted(grown, own, p_reuse)
-    _connected(grown, _added(grown, own, path), path, scores)
+    _insert(grown, own, scores, p_reuse)
 
 
 def insert__right_with_tables(grown, own, scores, p_reuse):
-    path, _ = _inserted(grown, own, p_reuse)
-    path = np.array(path)
+    path = np.array(_path(grown, own, p_reuse))
     new = path == own
     around = np.concatenate([[-1], path, [-1]])
     grown.before[own[new]], grown.after[own[new]] = around[:-2][new], around[2:][new]
@@ -762,64 +350,12 @@ def insert__right_with_tables(grown, own, scores, p_reuse):
     return grown
 
 
-def _wa(reach, before, after, steps, inc=True, mut=False, stop=True):
-    least = reach if mut else reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for d, b in ((-1, before), (1, after)):
-            r, c = i, v
-            for _ in range(steps):
-                r, c = r + d, b[c]
-                if not 0 <= r < len(reach) or c < 0:
-                    break
-                least[i, v] = min(least[i, v], reach[r, c])
-    return least
-
-
-def _an(reach, before, after, p, rules=((1, 1), (-1, -1), (0, 1), (0, -1))):
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for a, b in rules:
-            r = i + a
-            c = after[v] if b > 0 else before[v] if b < 0 else v
-            if 0 <= r < len(reach) and c >= 0:
-                f[r, c] = True
-    return f
-
-
-def edge_weights__threshold_of_09(reach, driven, p_edge):
-    """p_edge is an argument; yours always takes 0.9"""
-    kept = (reach > 0.9) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def edge_weights__and(reach, driven, p_edge):
-    """an edge needs RE above p_edge or a trajectory that goes there, not both: |, not"""
-    kept = (reach > p_edge) & driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
 def edge_weights__diag_one(reach, driven, p_edge):
     """yours joins vertex 0 to itself with 1; the diagonal is np.inf"""
     kept = (reach > p_edge) | driven
     w = np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
     np.fill_diagonal(w, 1.0)
     return w
-
-
-def edge_weights__clip_at_p(reach, driven, p_edge):
-    """a driven edge weighs by its own RE, also where that is below p_edge"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, p_edge)), np.inf)
-
-
-def edge_weights__driven_symmetric(reach, driven, p_edge):
-    """a trajectory goes in one direction: driven[i, j] is no edge from j to i"""
-    kept = (reach > p_edge) | driven | driven.T
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
 def edge_weights__mutates_driven(reach, driven, p_edge):
@@ -829,24 +365,11 @@ def edge_weights__mutates_driven(reach, driven, p_edge):
     return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
-def edge_weights__log2(reach, driven, p_edge):
-    """the natural logarithm is meant: np.log, not np.log2"""
-    kept = (reach > p_edge) | driven
-    np.fill_diagonal(kept, False)
-    return np.where(kept, -np.log2(np.maximum(reach, 1e-12)), np.inf)
-
-
 def edge_weights__big(reach, driven, p_edge):
     """where there is no edge the weight is np.inf; yours has 1e+09 everywhere"""
     kept = (reach > p_edge) | driven
     np.fill_diagonal(kept, False)
     return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 1e9)
-
-
-def edge_weights__upper(reach, driven, p_edge):
-    """edges lead in both directions: yours has none from a greater index to a smaller"""
-    kept = np.triu((reach > p_edge) | driven, 1)
-    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
 def edge_weights__eps6(reach, driven, p_edge):
@@ -860,12 +383,6 @@ def edge_weights__neq1(reach, driven, p_edge):
     """no vertex is joined to itself; the diagonal is inf"""
     kept = ((reach > p_edge) & (reach < 1)) | driven
     return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-
-
-def reusable__has_a_bound_of_its_own(into, onward, allowed, p_reuse):
-    """p_reuse is an argument, and not always"""
-    f = (into > 0.99) & (onward > 0.99) & allowed
-    return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
 
 
 def reusable__truthy(into, onward, allowed, p):
@@ -900,29 +417,6 @@ def reusable__mutates(into, onward, allowed, p):
     into[~allowed] = 0
     f = (into > p) & (onward > p)
     return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
-
-
-def reusable__onward_only_max(into, onward, allowed, p):
-    """the step into the vertex counts, too: into *"""
-    f = (into > p) & (onward > p) & allowed
-    return int(np.where(f, onward, -1).argmax()) if f.any() else -1
-
-
-def ahead_of__max_index(t, p, reused):
-    """the vertices in reused are in the order of reuse: all of them count, not only"""
-    ok = np.ones(len(p), bool)
-    if reused:
-        v = max(reused)
-        ok = (t != t[v]) | (p > p[v])
-    return ok
-
-
-def ahead_of__gt_next(t, p, reused):
-    """not only the next one: all that lie ahead on the trajectory may be"""
-    ok = np.ones(len(p), bool)
-    for v in reused:
-        ok &= (t != t[v]) | (p == p[v] + 1)
-    return ok
 
 
 def ahead_of__or(t, p, reused):
@@ -969,29 +463,9 @@ def ahead_of__crash_empty(t, p, reused):
     return (t != t[v]) | (p > p[v])
 
 
-def weakest_aligned__maxsteps2(reach, before, after, steps):
-    """steps is an argument; yours always looks two anchors to either"""
-    return _wa(reach, before, after, 2)
-
-
 def weakest_aligned__mutates(reach, before, after, steps):
     """your function changes its argument reach"""
-    return _wa(reach, before, after, steps, mut=True)
-
-
-def weakest_aligned__farthest_only(reach, before, after, steps):
-    """all pairs on the way count, not only the farthest on either"""
-    least = reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for d, b in ((-1, before), (1, after)):
-            r, c = i, v
-            for _ in range(steps):
-                r2, c2 = r + d, b[c]
-                if not 0 <= r2 < len(reach) or c2 < 0:
-                    break
-                r, c = r2, c2
-            least[i, v] = min(least[i, v], reach[r, c])
-    return least
+    return _pair_by_pair(reach, before, after, steps, reach)
 
 
 def weakest_aligned__continues_from_end(reach, before, after, steps):
@@ -1008,118 +482,16 @@ def weakest_aligned__continues_from_end(reach, before, after, steps):
     return least
 
 
-def weakest_aligned__zero_false(reach, before, after, steps):
-    """anchor 0 and vertex 0 exist; only -1 is"""
-    least = reach.copy()
-    for i, v in np.ndindex(*reach.shape):
-        for d, b in ((-1, before), (1, after)):
-            r, c = i, v
-            for _ in range(steps):
-                r, c = r + d, b[c]
-                if not 0 < r < len(reach) or c <= 0:
-                    break
-                least[i, v] = min(least[i, v], reach[r, c])
-    return least
-
-
 def weakest_aligned__nan(reach, before, after, steps):
     """some of it is not a number; every pair has at least its own RE"""
     return np.full_like(reach, np.nan)
 
 
-def ask_next__eq_nan(reach, before, after, p):
-    """yours never queries anything. Is np.isnan used? Nothing is == np.nan, not even"""
-    f = _an(reach, before, after, p)
-    return f & (reach == np.nan)
-
-
-def ask_next__only_first_row_check(reach, before, after, p):
-    """row 0 is an anchor,"""
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 < r < len(reach) and c >= 0:
-                f[r, c] = True
-    return f & np.isnan(reach)
-
-
-def ask_next__column0(reach, before, after, p):
-    """column 0 is a vertex,"""
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= r < len(reach) and c > 0:
-                f[r, c] = True
-    return f & np.isnan(reach)
-
-
-def ask_next__last_row(reach, before, after, p):
-    """the last row is an anchor,"""
-    f = np.zeros(reach.shape, bool)
-    for i, v in np.argwhere(reach > p):
-        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= r < len(reach) - 1 and c >= 0:
-                f[r, c] = True
-    return f & np.isnan(reach)
-
-
-def ask_next__p05(reach, before, after, p_edge):
-    """p_edge is an argument, and not always"""
-    return _an(reach, before, after, 0.5) & np.isnan(reach)
-
-
-def ask_next__nonan(reach, before, after, p):
-    """not all that is unknown is worth a query, only what lies beside a sure"""
-    return np.isnan(reach)
-
-
 def ask_next__mutates(reach, before, after, p):
     """your function changes its argument reach"""
-    f = _an(reach, before, after, p) & np.isnan(reach)
+    f = _search(reach, before, after, reach > p)
     reach[np.isnan(reach)] = 0
     return f
-
-
-def insert__takes_reach_for_driven_steps(grown, own, scores, p_reuse):
-    """where scores has more, that stays"""
-    check_insert.reference(grown, own, scores, p_reuse)
-    for source, target in pairwise(grown.paths[-1]):
-        grown.edge_reach[source, target] = grown.reach[source, target]
-
-
-def insert__drives_new_steps_only(grown, own, scores, p_reuse):
-    """every step of the path is driven, also between vertices that were there"""
-    old = set(grown.vertices)
-    check_insert.reference(grown, own, scores, p_reuse)
-    for source, target in pairwise(grown.paths[-1]):
-        if source in old and target in old:
-            grown.driven[source, target] = False
-
-
-def insert__never_replaces_the_last(grown, own, scores, p_reuse):
-    """the last anchor may be replaced, too"""
-    last = int(own[-1])
-
-    def into_and_onward(grown, own, path, i):
-        before = path[i - 1] if i else own[0]
-        into = grown.reach[before, grown.vertices] * (own[i] != last)
-        return into, grown.reach[grown.vertices, own[min(i + 1, len(own) - 1)]]
-
-    check_insert.reference(grown, own, scores, p_reuse, through=into_and_onward)
-
-
-def weakest_aligned__takes_minus_1_for_the_last(reach, before, after, steps):
-    """to numpy it is the last one; there the sequence ends"""
-    least = reach.copy()
-    for row, column in np.ndindex(*reach.shape):
-        for step, beside in ((-1, before), (1, after)):
-            i, v = row, column
-            for _ in range(steps):
-                i, v = i + step, beside[v]
-                if not 0 <= i < len(reach):
-                    break
-                least[row, column] = min(least[row, column], reach[i, v])
-    return least
 
 
 def weakest_aligned__stops_on_both_sides(reach, before, after, steps):

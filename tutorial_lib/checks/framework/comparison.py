@@ -44,6 +44,7 @@ def compare(
     same: Function = lambda got, want, *case: equal(got, want),
     difference: Function = lambda got, want, *case: first_difference(got, want),
     broken: Function = lambda got, want, *case: "",
+    altered: Function = altered,
     draw: Callable[[Any, Any], NDArray[np.uint8]] | None = None,
 ) -> NDArray[np.uint8] | None:
     """Demand the right answer to every case.
@@ -63,8 +64,9 @@ def compare(
         form: (what, answer, *case) demands an answer of the right form, and may bring it into the
             form in which answers are compared.
         same: (got, want, *case) tells whether two answers are equally good.
-        difference: (got, want, *case) says what is wrong.
+        difference: (got, want, *case) says what is wrong; empty if other words say it all.
         broken: (got, want, *case) says which rule is broken, where no known mistake is named.
+        altered: says of pairs of answers and right ones what was done to the right ones.
         draw: (want, got) draws the answers to the first case.
 
     Returns:
@@ -95,7 +97,8 @@ def compare(
         known = _best(first, got, wanted, faults, answers, same, list(named.values()))
         words = known if known in faults else altered(pairs) or known
         said, words = difference(mine, want, *case), words or broken(mine, want, *case)
-        raise WrongAnswer(f"{what}: {words} ({said})" if words else f"{what}: {said}", picture)
+        said = f"{words} ({said})" if words and said else words or said
+        raise WrongAnswer(f"{what}: {said}", picture)
     if aliases:
         raise aliases[0]
     return picture

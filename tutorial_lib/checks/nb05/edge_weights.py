@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, expect
+from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping import edge_rules
+from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
@@ -33,7 +31,7 @@ DRIVEN = np.zeros((6, 6), dtype=bool)
 DRIVEN[[0, 1, 3, 4], [1, 2, 4, 5]] = True
 
 
-def edge_weights(reach: ArrayLike, driven: ArrayLike, p_edge: float) -> Array:
+def edge_weights(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> Array:
     """Weights (V, V) of a map's edges, inf where there is none (Meng 2020, III-E).
 
     Args:
@@ -41,10 +39,9 @@ def edge_weights(reach: ArrayLike, driven: ArrayLike, p_edge: float) -> Array:
         driven: (V, V) where a trajectory goes from vertex to vertex.
         p_edge: RE above which two are joined.
     """
-    reach = np.asarray(reach, dtype=float)
-    kept = (reach > p_edge) | np.asarray(driven, dtype=bool)
+    kept = (reach > p_edge) | driven
     np.fill_diagonal(kept, False)
-    return np.where(kept, edge_rules.weight(reach), np.inf)
+    return np.where(kept, weight(reach), np.inf)
 
 
 def _random_map(vertices: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
@@ -60,52 +57,85 @@ _FAINT = BY_HAND.copy()
 _FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
 _TWO_WAYS = DRIVEN | DRIVEN.T
 _LOOPS = DRIVEN | np.eye(6, dtype=bool)
-_CASES = (
-    ("the map above", BY_HAND, DRIVEN, 0.9),
-    ("another p_edge", BY_HAND, DRIVEN, 0.5),
-    ("RE of 0.995 and of 0.9999", np.where(BY_HAND > 0.98, 0.9999, BY_HAND + 0.005), DRIVEN, 0.9),
-    ("RE equals p_edge", np.where(BY_HAND == 0.3, 0.9, BY_HAND), DRIVEN, 0.9),
-    ("a diagonal below p_edge", np.where(np.eye(6, dtype=bool), 0.2, BY_HAND), DRIVEN, 0.9),
-    ("driven both ways", BY_HAND, _TWO_WAYS, 0.9),
-    ("driven has True on its diagonal", BY_HAND, _LOOPS, 0.9),
-    ("no trajectory", BY_HAND, np.zeros_like(DRIVEN), 0.9),
-    ("p_edge = 0", np.where(BY_HAND < 0.06, 0.0, BY_HAND), DRIVEN, 0.0),
-    ("one vertex", np.ones((1, 1)), np.zeros((1, 1), dtype=bool), 0.9),
-    ("RE = 0 on a driven edge", _NEVER, DRIVEN, 0.9),
-    ("RE = 1e-15 on a driven edge", _FAINT, DRIVEN, 0.9),
-    ("p_edge = 1", BY_HAND, DRIVEN, 1.0),
-    ("12 vertices", *_random_map(12, 1), 0.5),
-    ("RE = 1", np.ones((3, 3)), np.zeros((3, 3), dtype=bool), 0.99),
-    ("nothing surer than 1e-13", np.full((3, 3), 1e-13), np.zeros((3, 3), dtype=bool), 0.0),
-)
+CASES = {
+    "the map above": case(BY_HAND, DRIVEN, 0.9),
+    "another p_edge": case(BY_HAND, DRIVEN, 0.5),
+    "RE of 0.995 and of 0.9999": case(
+        np.where(BY_HAND > 0.98, 0.9999, BY_HAND + 0.005), DRIVEN, 0.9
+    ),
+    "RE equals p_edge": case(np.where(BY_HAND == 0.3, 0.9, BY_HAND), DRIVEN, 0.9),
+    "a diagonal below p_edge": case(np.where(np.eye(6, dtype=bool), 0.2, BY_HAND), DRIVEN, 0.9),
+    "driven both ways": case(BY_HAND, _TWO_WAYS, 0.9),
+    "driven has True on its diagonal": case(BY_HAND, _LOOPS, 0.9),
+    "no trajectory": case(BY_HAND, np.zeros_like(DRIVEN), 0.9),
+    "p_edge = 0": case(np.where(BY_HAND < 0.06, 0.0, BY_HAND), DRIVEN, 0.0),
+    "one vertex": case(np.ones((1, 1)), np.zeros((1, 1), dtype=bool), 0.9),
+    "RE = 0 on a driven edge": case(_NEVER, DRIVEN, 0.9),
+    "RE = 1e-15 on a driven edge": case(_FAINT, DRIVEN, 0.9),
+    "p_edge = 1": case(BY_HAND, DRIVEN, 1.0),
+    "12 vertices": case(*_random_map(12, 1), 0.5),
+    "RE = 1": case(np.ones((3, 3)), np.zeros((3, 3), dtype=bool), 0.99),
+    "nothing surer than 1e-13": case(np.full((3, 3), 1e-13), np.zeros((3, 3), dtype=bool), 0.0),
+}
+MISTAKES = """
+a weight is never negative: -log RE, with a minus
+    weight(reach) -> -weight(reach)
+the natural logarithm is meant: np.log
+    weight(reach) -> weight(reach) / np.log(10)
+greater than p_edge, not equal to it
+    reach > p_edge -> reach >= p_edge
+driven edges stay, whatever their RE
+    (reach > p_edge) | driven -> reach > p_edge
+a driven edge has a weight like any other one, -log RE, not 0
+    weight(reach) -> np.where(driven, 0.0, weight(reach))
+1e-12 stands for every RE that is smaller, not for 0 alone
+    weight(reach) -> -np.log(np.where(reach == 0, 1e-12, reach))
+a driven edge stays where RE is 0, too; take 1e-12 for it
+    weight(reach) -> -np.log(reach)
+take the greater one of RE and 1e-12; nothing is added
+    weight(reach) -> -np.log(reach + 1e-12)
+no vertex is joined to itself; the diagonal is inf
+    np.fill_diagonal(kept, False) -> pass
+only driven edges are edges in yours; vertices with RE above p_edge are joined, too
+    (reach > p_edge) | driven -> driven
+    np.fill_diagonal(kept, False) -> pass
+row and column are exchanged: reach[i, j] leads from i to j
+    np.inf) -> np.inf).T
+that is RE itself; the weight is -log RE
+    weight(reach) -> reach
+that is 1 - RE; the weight is -log RE, whose sums are the logarithms of products
+    weight(reach) -> 1 - reach
+p_edge is an argument; yours always takes 0.9
+    > p_edge -> > 0.9
+a weight is taken of RE, not of what is left of it: -log(RE), not -log(1 - RE)
+    weight(reach) -> weight(1 - reach)
+an edge needs RE above p_edge or a trajectory that goes there, not both: |, not &
+    (reach > p_edge) | driven -> (reach > p_edge) & driven
+the natural logarithm is meant: np.log, not np.log2
+    weight(reach) -> weight(reach) / np.log(2)
+a trajectory goes in one direction: driven[i, j] is no edge from j to i
+    | driven -> | driven | driven.T
+edges lead in both directions: yours has none from a greater index to a smaller one
+    np.fill_diagonal(kept, False) -> kept = np.triu(kept, 1)
+a driven edge weighs by its own RE, also where that is below p_edge
+    weight(reach) -> -np.log(np.maximum(reach, p_edge))
+all pairs are joined in yours; prune those that are not above p_edge
+    (reach > p_edge) | driven -> np.ones(reach.shape, dtype=bool)
+where there is no edge the weight is inf, not 0: 0 is the best of all edges
+    np.inf -> 0.0
+not a number stands where there is no edge; put np.inf
+    np.inf -> np.nan
+the map is directed: RE from i to j says nothing about RE from j to i
+    kept = -> reach, driven = np.maximum(reach, reach.T), driven | driven.T; kept =
+"""
 
 
-@check(edge_weights, (*_random_map(120, 2), 0.9))
-def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """The map done by hand with other thresholds, RE almost 0, no edges at all, a larger one."""
-    invoke, picture = calling(), None
-    for name, *case in _CASES:
-        what, want = f"edge_weights, {name}", edge_weights(*case)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            got = invoke(what, student, *case)
-        picture = _weights_picture(got) if picture is None else picture
-        values = numbers(what, got, want.shape)
-        why = partial(_why, case)
-        expect(
-            what,
-            values,
-            want,
-            _mistakes(*case).items(),
-            partial(close, tolerance=1e-9),
-            why,
-            picture,
-        )
-    return picture
+def _form(what: str, got: object, reach: Array, *_: object) -> Array:
+    return numbers(what, got, reach.shape)
 
 
-def _why(case: tuple[Array, NDArray[np.bool_], float], got: Array, want: Array) -> str:
+def _why(got: Array, want: Array, reach: Array, driven: NDArray[np.bool_], p_edge: float) -> str:
     """The first pair with a wrong weight."""
-    reach, driven, p_edge = case
     if np.isnan(got).any():
         return "some weights are not a number; where there is no edge the weight is np.inf"
     there = np.isfinite(want)
@@ -120,6 +150,8 @@ def _why(case: tuple[Array, NDArray[np.bool_], float], got: Array, want: Array) 
     i, j = (int(n) for n in np.argwhere(apart)[0])
     pair = f"from {i} to {j} (RE {reach[i, j]:g})"
     if i == j:
+        if np.allclose(got, np.where(np.eye(len(got), dtype=bool), weight(reach), want)):
+            return "no vertex is joined to itself; the diagonal is inf"
         return f"yours joins vertex {i} to itself with {got[i, j]:.4g}; the diagonal is np.inf"
     if not np.isfinite(want[i, j]):
         words = f"RE is not greater than {p_edge:g}, and no trajectory goes there"
@@ -131,79 +163,23 @@ def _why(case: tuple[Array, NDArray[np.bool_], float], got: Array, want: Array) 
     return f"{words}: {pair} yours has {got[i, j]:.4g}; -log RE is {want[i, j]:.4g}"
 
 
-def _mistakes(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[str, ArrayLike]:
-    """Known mistakes, and the weights they give."""
-    right, own = edge_weights(reach, driven, p_edge), np.eye(len(reach), dtype=bool)
-    there, both = np.isfinite(right), np.maximum(reach, reach.T)
-    with np.errstate(divide="ignore"):
-        infinite, tenths = -np.log(reach), -np.log10(np.maximum(reach, 1e-12))
-        only_0 = -np.log(np.where(reach == 0, 1e-12, reach))
-
-    def only(kept: ArrayLike, weights: ArrayLike) -> Array:
-        return np.where(kept, weights, np.inf)
-
-    return {
-        "a weight is never negative: -log RE, with a minus": only(there, -right),
-        "the natural logarithm is meant: np.log": only(there, tenths),
-        "greater than p_edge, not equal to it": only(
-            ((reach >= p_edge) | driven) & ~own, edge_rules.weight(reach)
-        ),
-        "driven edges stay, whatever their RE": only(reach > p_edge, right),
-        "a driven edge has a weight like any other one, -log RE, not 0": only(
-            there, np.where(driven, 0.0, right)
-        ),
-        "1e-12 stands for every RE that is smaller, not for 0 alone": only(there, only_0),
-        "a driven edge stays where RE is 0, too; take 1e-12 for it": only(there, infinite),
-        "take the greater one of RE and 1e-12; nothing is added": only(
-            there, -np.log(reach + 1e-12)
-        ),
-        "no vertex is joined to itself; the diagonal is inf": only(
-            there | own, edge_rules.weight(reach)
-        ),
-        "only driven edges are edges in yours; vertices with RE above p_edge are joined, too": only(
-            driven, right
-        ),
-        "row and column are exchanged: reach[i, j] leads from i to j": right.T,
-        "that is RE itself; the weight is -log RE": only(there, reach),
-        "that is 1 - RE; the weight is -log RE, whose sums are the logarithms of products": only(
-            there, 1 - reach
-        ),
-        "p_edge is an argument; yours always takes 0.9": only(
-            ((reach > 0.9) | driven) & ~own, edge_rules.weight(reach)
-        ),
-        "a weight is taken of RE, not of what is left of it: -log(RE), not -log(1 - RE)": only(
-            there, edge_rules.weight(1 - reach)
-        ),
-        "an edge needs RE above p_edge or a trajectory that goes there, not both: |, not &": only(
-            (reach > p_edge) & driven & ~own, edge_rules.weight(reach)
-        ),
-        "the natural logarithm is meant: np.log, not np.log2": only(there, right / np.log(2)),
-        "a trajectory goes in one direction: driven[i, j] is no edge from j to i": only(
-            there | (driven.T & ~own), edge_rules.weight(reach)
-        ),
-        "edges lead in both directions: yours has none from a greater index to a smaller one": only(
-            np.triu(there), right
-        ),
-        "a driven edge weighs by its own RE, also where that is below p_edge": only(
-            there, edge_rules.weight(np.maximum(reach, p_edge))
-        ),
-        "all pairs are joined in yours; prune those that are not above p_edge": only(
-            ~own, edge_rules.weight(reach)
-        ),
-        "where there is no edge the weight is inf, not 0: 0 is the best of all edges": np.where(
-            there, right, 0.0
-        ),
-        "not a number stands where there is no edge; put np.inf": np.where(there, right, np.nan),
-        "the map is directed: RE from i to j says nothing about RE from j to i": (
-            edge_weights(both, driven | driven.T, p_edge)
-        ),
-    }
+def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
+    tables = [edge_table(w, np.isfinite(w), DRIVEN, blank=True) for w in (want, got)]
+    return side_by_side(tables, ["target", "yours"], gap=30)
 
 
-def _weights_picture(got: object) -> NDArray[np.uint8]:
-    """Target and yours, if it can be drawn."""
-    tables = []
-    for weights in (edge_weights(BY_HAND, DRIVEN, 0.9), got):
-        if isinstance(weights, np.ndarray) and weights.shape == BY_HAND.shape:
-            tables.append(edge_table(weights, np.isfinite(weights), DRIVEN, blank=True))
-    return side_by_side(tables, ["target", "yours"][: len(tables)], gap=30)
+check_edge_weights = exercise(
+    edge_weights,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="The map done by hand with other thresholds, RE almost 0, no edges at all, a larger one.",
+    example=case(*_random_map(120, 2), 0.9),
+    invoke=calling(),
+    form=_form,
+    same=partial(close, tolerance=1e-9),
+    difference=lambda *_: "",
+    broken=_why,
+    altered=lambda _: "",  # `_why` asks for all digits
+    draw=_tables,
+)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import calling
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping import edge_rules
+from tutorial_lib.topology.mapping.edge_rules import reusable
 
 Case = tuple[Array, Array, NDArray[np.bool_], float]
 
@@ -26,7 +25,7 @@ def _random_case(seed: int) -> Case:
     return into, onward, rng.random(len(into)) < 0.7, p_reuse
 
 
-_CASES: dict[str, Case] = {
+CASES: dict[str, Case] = {
     name: (np.array(into), np.array(onward), np.array(allowed, dtype=bool), p_reuse)
     for name, into, onward, allowed, p_reuse in (
         ("two fit", [0.5, 0.99, 0.98, 0.2], [1.0, 0.98, 0.995, 0.99], [1, 1, 1, 1], 0.97),
@@ -49,108 +48,54 @@ _CASES: dict[str, Case] = {
         ("one vertex", [0.99], [0.98], [1], 0.97),
     )
 } | {f"vertices drawn at random ({seed})": _random_case(seed) for seed in range(20)}
-
-
-def _by(
-    fits: Callable[[Array, Array, float], Any] = lambda i, o, p: (i > p) & (o > p),
-    score: Callable[[Array, Array], Any] = lambda i, o: i * o,
-    masked: bool = True,
-) -> Callable[..., int]:
-    """Another rule of reuse."""
-
-    def rule(into: Array, onward: Array, allowed: NDArray[np.bool_], p_reuse: float) -> int:
-        fit = fits(into, onward, p_reuse) & (allowed if masked else True)
-        return int(np.where(fit, score(into, onward), -1.0).argmax()) if fit.any() else -1
-
-    return rule
-
-
-def _among_those_that_fit(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
-    fit = (into > p_reuse) & (onward > p_reuse) & allowed
-    return int((into * onward)[fit].argmax()) if fit.any() else -1
-
-
-def _best_first(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
-    best = int(np.where(allowed, into * onward, -1.0).argmax()) if len(into) else -1
-    fits = best >= 0 and min(into[best], onward[best]) > p_reuse and bool(allowed[best])
-    return best if fits else -1
-
-
-def _best_of_all(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
-    best = int((into * onward).argmax()) if len(into) else -1
-    fits = best >= 0 and min(into[best], onward[best]) > p_reuse and bool(allowed[best])
-    return best if fits else -1
-
-
-def _until_forbidden(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
-    end = len(allowed) if allowed.all() else int(allowed.argmin())
-    return edge_rules.reusable(into[:end], onward[:end], allowed[:end], p_reuse)
-
-
-def _last_that_fits(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
-    fit = np.flatnonzero((into > p_reuse) & (onward > p_reuse) & allowed)
-    return int(fit[-1]) if len(fit) else -1
-
-
-_FAULTS: dict[str, Callable[..., int]] = {
-    "the best of all need not fit: first find those that do, then the best of them": _best_first,
-    "the best of all need not fit, or be allowed: first find those that do and are": _best_of_all,
-    "after a vertex that is not allowed others may come: continue, not break": _until_forbidden,
-    "the next anchor must be reachable from the vertex, too: onward > p_reuse": _by(
-        lambda i, o, p: i > p
-    ),
-    "the vertex must be reachable from the anchor before, too: into > p_reuse": _by(
-        lambda i, o, p: o > p
-    ),
-    "both must be above p_reuse; one of them is not enough": _by(lambda i, o, p: (i > p) | (o > p)),
-    "each of the two must be above p_reuse, not their product": _by(lambda i, o, p: i * o > p),
-    "each of the two must be above p_reuse, not their mean": _by(lambda i, o, p: (i + o) / 2 > p),
-    "greater than p_reuse, not equal to it": _by(lambda i, o, p: (i >= p) & (o >= p)),
-    "p_reuse is an argument, and not always the same": _by(lambda i, o, p: (i > 0.97) & (o > 0.97)),
-    "p_reuse is an argument, and not always 0.99": _by(lambda i, o, p: (i > 0.99) & (o > 0.99)),
-    "of those that fit take the most probable path, into * onward, not the first": _by(
-        score=lambda i, o: 0 * i
-    ),
-    "of those that fit take the most probable path, into * onward, not the last": _last_that_fits,
-    "of those that fit take the greatest product, not the least": _by(score=lambda i, o: 2 - i * o),
-    "vertex 0 is a vertex like any other, and may be the best one": lambda *case: (
-        edge_rules.reusable(*case) or -1
-    ),
-    "vertex 0 is a vertex, too; yours looks at the others only": lambda into, onward, ok, p: (
-        edge_rules.reusable(into, onward, ok & (np.arange(len(ok)) > 0), p)
-    ),
-    "two probabilities in a row are multiplied, not added": _by(score=lambda i, o: i + o),
-    "of those that fit take the greatest product, not the greatest minimum": _by(score=np.minimum),
-    "the step onward counts, too: into * onward": _by(score=lambda i, o: i),
-    "the step into the vertex counts, too: into * onward": _by(score=lambda i, o: o),
-    "only vertices that are allowed may be taken": _by(masked=False),
-    "that is its index among those that fit, not its index in the map": _among_those_that_fit,
-    "where none fits there is none: -1, not vertex 0": lambda *case: max(
-        0, edge_rules.reusable(*case)
-    ),
-}
-
-
-@check(edge_rules.reusable, _CASES["two fit"])
-def check_reusable(student: Callable[..., Any]) -> None:
-    """Anchors for which vertices fit, fit by half, may not be taken, or do not exist."""
-    invoke = calling(
-        {
-            ValueError: "is there a vertex that fits? Ask .any() before argmax",
-            IndexError: "is there a vertex that fits? Ask .any() first",
-        }
-    )
-    compare(
-        "reusable",
-        student,
-        _CASES,
-        edge_rules.reusable,
-        _FAULTS,
-        invoke=invoke,
-        form=_vertex,
-        same=_as_good,
-        difference=_why,
-    )
+MISTAKES = """
+the best of all need not fit: first find those that do, then the best of them
+    not fits.any(): -> not fits.any() or not fits[np.where(allowed, into * onward, -1).argmax()]:
+the best of all need not fit, or be allowed: first find those that do and are
+    not fits.any(): -> not fits.any() or not fits[np.argmax(into * onward)]:
+after a vertex that is not allowed others may come: continue, not break
+    & allowed -> & np.logical_and.accumulate(allowed)
+the next anchor must be reachable from the vertex, too: onward > p_reuse
+    & (onward > p_reuse) & allowed -> & allowed
+the vertex must be reachable from the anchor before, too: into > p_reuse
+    (into > p_reuse) & (onward > p_reuse) -> (onward > p_reuse)
+both must be above p_reuse; one of them is not enough
+    (into > p_reuse) & (onward > p_reuse) -> ((into > p_reuse) | (onward > p_reuse))
+each of the two must be above p_reuse, not their product
+    (into > p_reuse) & (onward > p_reuse) -> (into * onward > p_reuse)
+each of the two must be above p_reuse, not their mean
+    (into > p_reuse) & (onward > p_reuse) -> ((into + onward) / 2 > p_reuse)
+greater than p_reuse, not equal to it
+    (into > p_reuse) & (onward > p_reuse) -> (into >= p_reuse) & (onward >= p_reuse)
+p_reuse is an argument, and not always the same
+    (into > p_reuse) & (onward > p_reuse) -> (into > 0.97) & (onward > 0.97)
+p_reuse is an argument, and not always 0.99
+    (into > p_reuse) & (onward > p_reuse) -> (into > 0.99) & (onward > 0.99)
+of those that fit take the most probable path, into * onward, not the first
+    np.where(fits, into * onward, -1.0) -> fits
+of those that fit take the most probable path, into * onward, not the last
+    np.where(fits, into * onward, -1.0).argmax() -> np.flatnonzero(fits)[-1]
+of those that fit take the greatest product, not the least
+    into * onward -> 2 - into * onward
+vertex 0 is a vertex like any other, and may be the best one
+    .argmax()) -> .argmax()) or -1
+vertex 0 is a vertex, too; yours looks at the others only
+    & allowed -> & allowed & (np.arange(len(allowed)) > 0)
+two probabilities in a row are multiplied, not added
+    into * onward -> into + onward
+of those that fit take the greatest product, not the greatest minimum
+    into * onward -> np.minimum(into, onward)
+the step onward counts, too: into * onward
+    into * onward -> into
+the step into the vertex counts, too: into * onward
+    into * onward -> onward
+only vertices that are allowed may be taken
+    (onward > p_reuse) & allowed -> (onward > p_reuse)
+that is its index among those that fit, not its index in the map
+    np.where(fits, into * onward, -1.0).argmax() -> (into * onward)[fits].argmax()
+where none fits there is none: -1, not vertex 0
+    return -1 -> return 0
+"""
 
 
 def _vertex(what: str, got: Any, into: Array, *_: object) -> int:  # noqa: ANN401 - students'
@@ -192,3 +137,22 @@ def _why(
             return f"{name} of vertex {got} is {reach[got]:.4g}, not greater than {p_reuse:g}"
     products = f"{into[got] * onward[got]:.4g}; vertex {want} has {into[want] * onward[want]:.4g}"
     return f"vertex {got} fits, but its product into * onward is only {products}"
+
+
+check_reusable = exercise(
+    reusable,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Anchors for which vertices fit, fit by half, may not be taken, or do not exist.",
+    example=CASES["two fit"],
+    invoke=calling(
+        {
+            ValueError: "is there a vertex that fits? Ask .any() before argmax",
+            IndexError: "is there a vertex that fits? Ask .any() first",
+        }
+    ),
+    form=_vertex,
+    same=_as_good,
+    difference=_why,
+)

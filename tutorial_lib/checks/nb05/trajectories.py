@@ -21,18 +21,7 @@ def random_reach(anchors: int, vertices: int, seed: int) -> Array:
     return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
 
 
-def stepped(columns: Indices, step: int, before: Indices, after: Indices) -> Indices:
-    """The column one `step` of -1, 0 or 1 on along its trajectory; -1 beyond an end."""
-    if not step:
-        return columns
-    return np.where(columns >= 0, (after if step > 0 else before)[columns], -1)
-
-
 ONE, TWO = neighbours([0, 1, 2, 3, 4]), neighbours([0, 1, 2], [3, 4, 5])
-
-
 MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
-
-
 JOINED = np.array([-1, 0, 1, -1, 1]), np.array([1, 2, -1, 1, -1])
 """A trajectory 0, 1, 2; vertex 1 is reused by one from 3 and by one that goes on to 4."""
