@@ -9,28 +9,6 @@ from tutorial_lib.geometry import to_local, to_world
 from tutorial_lib.topology.following.transitions import State
 
 
-def choose_anchors__looks_only_at_the_last(reach, threshold):
-    """every k in (i, j] must be above the threshold"""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = anchors[-1]
-        good = [k for k in range(i + 1, len(reach)) if reach[i, k] > threshold]
-        anchors.append(max(good, default=i + 1))
-    return anchors
-
-
-def choose_anchors__takes_the_first_that_fails(reach, threshold):
-    """that is the first frame that can no longer be reached"""
-    anchors, last = [0], len(reach) - 1
-    while anchors[-1] < last:
-        i = anchors[-1]
-        j = i + 1
-        while j < last and reach[i, j] > threshold:
-            j += 1
-        anchors.append(j)
-    return anchors
-
-
 def choose_anchors__never_gets_on(reach, threshold):
     """has not ended after"""
     anchors = [0]
@@ -42,70 +20,6 @@ def choose_anchors__never_gets_on(reach, threshold):
         if j > i:
             anchors.append(j)
     return anchors
-
-
-def choose_anchors__stops_where_it_fails(reach, threshold):
-    """yours stops where frame i + 1 cannot be reached"""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = j = anchors[-1]
-        while j + 1 < len(reach) and reach[i, j + 1] > threshold:
-            j += 1
-        if j == i:
-            break
-        anchors.append(j)
-    return anchors
-
-
-def choose_anchors__skips_what_fails(reach, threshold):
-    """not even frame i + 1 can be reached, and yours goes on to a later frame"""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = anchors[-1]
-        j = i + 1
-        while j < len(reach) and not reach[i, j] > threshold:
-            j += 1
-        if j == len(reach):
-            j = i + 1
-        while j + 1 < len(reach) and reach[i, j + 1] > threshold:
-            j += 1
-        anchors.append(j)
-    return anchors
-
-
-def choose_anchors__takes_the_threshold_itself(reach, threshold):
-    """greater than the threshold, not equal to it"""
-    return _greedy(lambda i, k: reach[i, k] >= threshold, len(reach))
-
-
-def choose_anchors__asks_from_frame_to_frame(reach, threshold):
-    """not from one frame to the next"""
-    return _greedy(lambda i, k: reach[k - 1, k] > threshold, len(reach))
-
-
-def choose_anchors__looks_back(reach, threshold):
-    """row and column are exchanged"""
-    return _greedy(lambda i, k: reach[k, i] > threshold, len(reach))
-
-
-def choose_anchors__multiplies(reach, threshold):
-    """do not multiply them"""
-    return _greedy(lambda i, k: np.prod(reach[i, i + 1 : k + 1]) > threshold, len(reach))
-
-
-def choose_anchors__averages(reach, threshold):
-    """do not average them"""
-    return _greedy(lambda i, k: reach[i, i + 1 : k + 1].mean() > threshold, len(reach))
-
-
-def choose_anchors__forgets_the_end(reach, threshold):
-    """the last frame is always an anchor"""
-    return _greedy(lambda i, k: reach[i, k] > threshold, len(reach))[:-1]
-
-
-def choose_anchors__forgets_the_start(reach, threshold):
-    """the first frame is an anchor, too"""
-    return _greedy(lambda i, k: reach[i, k] > threshold, len(reach))[1:]
 
 
 def choose_anchors__has_a_threshold_of_its_own(reach, threshold):
@@ -122,21 +36,6 @@ def choose_anchors__marks_them(reach, threshold):
     """a flat list of frames is needed"""
     anchors = _greedy(lambda i, k: reach[i, k] > threshold, len(reach))
     return np.eye(len(reach))[anchors]
-
-
-def choose_anchors__stays_in_the_first_row(reach, threshold):
-    """yours takes it from the first frame"""
-    return _greedy(lambda i, k: reach[0, k] > threshold, len(reach))
-
-
-def choose_anchors__keeps_all_that_is_reachable(reach, threshold):
-    """keeps every frame that can be reached"""
-    return sorted({0, len(reach) - 1, *np.flatnonzero(reach[0] > threshold).tolist()})
-
-
-def choose_anchors__says_the_end_twice(reach, threshold):
-    """the last frame comes twice"""
-    return [*_greedy(lambda i, k: reach[i, k] > threshold, len(reach)), len(reach) - 1]
 
 
 def choose_anchors__runs_over_the_end(reach, threshold):

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework import answers
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.nb04.forms import calling
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
-
-_SAID = {
-    "truth value": "an if wants one value; here it gets an array",
-    "unexpected keyword": "the arguments are given in the order of the docstring",
-}
-"""For words of Python's own message, what they mean here."""
-calling = partial(answers.calling, said=_SAID)
 
 INVOKE = calling(
     {

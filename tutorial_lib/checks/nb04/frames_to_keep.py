@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.nb04.follower_answers import calling
-from tutorial_lib.checks.nb04.frame_indices import frame_indices
+from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.viz.figures.follower_states import frames_kept
 from tutorial_lib.viz.figures.panels import stacked

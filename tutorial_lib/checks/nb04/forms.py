@@ -1,15 +1,24 @@
-"""Indices of frames that students return."""
+"""How answers to notebook 04 are called for, and what form they must have."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework import answers
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
+
+_SAID = {
+    "truth value": "an if wants one value; here it gets an array",
+    "unexpected keyword": "the arguments are given in the order of the docstring",
+}
+"""For words of Python's own message, what they mean here."""
+calling = partial(answers.calling, said=_SAID)
 
 
 def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
