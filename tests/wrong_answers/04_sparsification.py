@@ -86,52 +86,6 @@ def choose_anchors__right_frame_by_frame(reach, threshold):
     return anchors if anchors[-1] == last else [*anchors, last]
 
 
-def frames_to_keep__counts_twice(anchors, total, k):
-    """a frame that two contexts share is kept once"""
-    around = anchors[:, None] + 3 * np.arange(-k, k + 1)
-    return np.clip(around, 0, total - 1).ravel()
-
-
-def frames_to_keep__leaves_the_drive(anchors, total, k):
-    """there are no frames before 0"""
-    return np.unique(anchors[:, None] + 3 * np.arange(-k, k + 1))
-
-
-def frames_to_keep__begins_again_at_the_end(anchors, total, k):
-    """a frame before 0 is no frame from the end"""
-    return np.unique((anchors[:, None] + 3 * np.arange(-k, k + 1)) % total)
-
-
-def frames_to_keep__takes_neighbours(anchors, total, k):
-    """3 frames apart"""
-    return np.unique(np.clip(anchors[:, None] + np.arange(-k, k + 1), 0, total - 1))
-
-
-def frames_to_keep__takes_all_between(anchors, total, k):
-    """only every third frame"""
-    return np.unique(np.clip(anchors[:, None] + np.arange(-3 * k, 3 * k + 1), 0, total - 1))
-
-
-def frames_to_keep__looks_back_only(anchors, total, k):
-    """the frames after the anchor are missing"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, 1), 0, total - 1))
-
-
-def frames_to_keep__looks_ahead_only(anchors, total, k):
-    """the frames before the anchor are missing"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(k + 1), 0, total - 1))
-
-
-def frames_to_keep__ends_too_early(anchors, total, k):
-    """one is missing at the end"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k), 0, total - 1))
-
-
-def frames_to_keep__forgets_the_context(anchors, total, k):
-    """that is the anchors alone"""
-    return anchors
-
-
 def frames_to_keep__gives_the_number(anchors, total, k):
     """not how many there are"""
     return len(frames_to_keep__right_as_a_set(anchors, total, k))
@@ -140,32 +94,6 @@ def frames_to_keep__gives_the_number(anchors, total, k):
 def frames_to_keep__keeps_them_apart(anchors, total, k):
     """a flat list of frames is needed"""
     return np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, total - 1)
-
-
-def frames_to_keep__clips_to_the_number(anchors, total, k):
-    """the last frame is total - 1, not total"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, total))
-
-
-def frames_to_keep__has_a_k_of_its_own(anchors, total, k):
-    """yours has k = 2 written into it"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-2, 3), 0, total - 1))
-
-
-def frames_to_keep__takes_one_too_many(anchors, total, k):
-    """not k + 1"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k - 1, k + 2), 0, total - 1))
-
-
-def frames_to_keep__takes_the_outermost(anchors, total, k):
-    """only the contexts' outermost frames"""
-    return np.unique(np.clip(anchors[:, None] + [-3 * k, 0, 3 * k], 0, total - 1))
-
-
-def frames_to_keep__leaves_the_anchors_out(anchors, total, k):
-    """the anchors themselves are missing"""
-    around = 3 * np.array([step for step in range(-k, k + 1) if step], dtype=int)
-    return np.unique(np.clip(anchors[:, None] + around, 0, total - 1))
 
 
 def frames_to_keep__steps_by_two(anchors, total, k):
@@ -1010,17 +938,6 @@ def _into(pose, point):
 def _matrix(pose):
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     return np.array([[cos, -sin, pose[0]], [sin, cos, pose[1]], [0.0, 0.0, 1.0]])
-
-
-def frames_to_keep__loses_the_frame_at_an_end(anchors, total, k):
-    """needs the frame there, which need not be an anchor"""
-    steps = range(-3 * k, 3 * k + 1, 3)
-    return sorted({int(a) + s for a in anchors for s in steps if 0 <= a + s < total})
-
-
-def frames_to_keep__ends_at_the_last_anchor(anchors, total, k):
-    """the trajectory ends at total - 1, not at the last anchor"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, anchors[-1]))
 
 
 def frames_to_keep__floats(anchors, total, k):
