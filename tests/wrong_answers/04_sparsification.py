@@ -124,102 +124,6 @@ def frames_to_keep__right_as_a_set(anchors, total, k):
     return kept
 
 
-def move_on__goes_back(active, visited, reach, overlap, at, rules):
-    """never goes back to an earlier one"""
-    closest = _closest(active, overlap)
-    if overlap[closest] > rules.visited:
-        visited = closest
-    if at:
-        visited = max(visited, active)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__always_visits(active, visited, reach, overlap, at, rules):
-    """only if its overlap is above rules.visited"""
-    visited = max(visited, _closest(active, overlap), active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__looks_at_the_whole_trail(active, visited, reach, overlap, at, rules):
-    """look only at the anchors before, at and after the active one"""
-    closest = int(np.argmax(overlap))
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__reads_before_the_start(active, visited, reach, overlap, at, rules):
-    """overlap[-1] is the last one of the path"""
-    closest = max(range(active - 1, min(active + 2, len(reach))), key=lambda place: overlap[place])
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__does_not_mind_how_far(active, visited, reach, overlap, at, rules):
-    """the next anchor must be near, too"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1 and (visited >= active or reach[active + 1] > rules.p_follow):
-        active += 1
-    return active, visited
-
-
-def move_on__does_not_ask_for_reachability(active, visited, reach, overlap, at, rules):
-    """the next anchor must be reachable, too"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1 and (visited >= active or overlap[active + 1] > rules.near):
-        active += 1
-    return active, visited
-
-
-def move_on__does_not_know_where_it_stands(active, visited, reach, overlap, at, rules):
-    """a robot at the active anchor has visited it"""
-    visited = _seen(active, visited, overlap, False, rules)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__forgets_where_it_stood(active, visited, reach, overlap, at, rules):
-    """remember that the active anchor was visited"""
-    moved = active + _ready(
-        active, _seen(active, visited, overlap, at, rules), reach, overlap, rules
-    )
-    return moved, visited if at else _seen(active, visited, overlap, at, rules)
-
-
-def move_on__waits_for_the_next(active, visited, reach, overlap, at, rules):
-    """once the active anchor was visited, the robot must move on"""
-    visited = _seen(active, visited, overlap, at, rules)
-    return active + _ready(active, -2, reach, overlap, rules), visited
-
-
-def move_on__must_see_the_next(active, visited, reach, overlap, at, rules):
-    """whatever the RE of the next one"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1 and reach[active + 1] > rules.p_follow:
-        near = overlap[active + 1] > rules.near
-        active += int(near or visited >= active)
-    return active, visited
-
-
-def move_on__asks_first(active, visited, reach, overlap, at, rules):
-    """update the last visited anchor first"""
-    moved = active + _ready(active, visited, reach, overlap, rules)
-    return moved, _seen(active, visited, overlap, at, rules)
-
-
-def move_on__asks_about_the_active_one(active, visited, reach, overlap, at, rules):
-    """reach[active + 1], not that of the active one"""
-    visited = _seen(active, visited, overlap, at, rules)
-    return active + _ready(active, visited, np.roll(reach, 1), overlap, rules), visited
-
-
-def move_on__stays(active, visited, reach, overlap, at, rules):
-    """the active anchor never moves on"""
-    return active, _seen(active, visited, overlap, at, rules)
-
-
 def move_on__falls_back(active, visited, reach, overlap, at, rules):
     """lets the active anchor fall back"""
     visited = _seen(active, visited, overlap, at, rules)
@@ -238,27 +142,6 @@ def move_on__goes_beyond_the_end(active, visited, reach, overlap, at, rules):
     return active + int(ready or visited >= active), visited
 
 
-def move_on__has_numbers_of_its_own(active, visited, reach, overlap, at, rules):
-    """other rules"""
-    closest = _closest(active, overlap)
-    if overlap[closest] > 0.8:
-        visited = max(visited, closest)
-    visited = max(visited, active if at else -1)
-    ready = False
-    if active < len(reach) - 1:
-        ready = visited >= active or (overlap[active + 1] > 0.6 and reach[active + 1] > 0.92)
-    return active + int(ready), visited
-
-
-def move_on__asks_for_exactly_the_active_one(active, visited, reach, overlap, at, rules):
-    """a robot that has visited the next anchor has passed the active one"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1:
-        ready = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
-        active += int(ready or visited == active)
-    return active, visited
-
-
 def move_on__leaps_over_the_next(active, visited, reach, overlap, at, rules):
     """not to visited + 1"""
     visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
@@ -269,100 +152,15 @@ def move_on__leaps_over_the_next(active, visited, reach, overlap, at, rules):
     return active + _ready(active, visited, reach, overlap, rules), visited
 
 
-def move_on__compares_one_too_many(active, visited, reach, overlap, at, rules):
-    """active + 2 is too far"""
-    first = max(active - 1, 0)
-    few = overlap[first : active + 3]
-    if few.max() > rules.visited:
-        visited = max(visited, first + int(few.argmax()))
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__takes_the_farthest(active, visited, reach, overlap, at, rules):
-    """only the closest counts, not the farthest"""
-    for place in range(max(active - 1, 0), min(active + 2, len(reach))):
-        if overlap[place] > rules.visited:
-            visited = max(visited, place)
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__stands_at_the_closest(active, visited, reach, overlap, at, rules):
-    """that one was visited, not the closest"""
-    closest = _closest(active, overlap)
-    if at or overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__asks_for_one_of_two(active, visited, reach, overlap, at, rules):
-    """if, not elif"""
-    closest = _closest(active, overlap)
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    elif at:
-        visited = max(visited, active)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
 def move_on__gives_only_one(active, visited, reach, overlap, at, rules):
     """return active, visited"""
     return active + 1
-
-
-def move_on__visits_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
-    """an overlap of exactly rules.visited is not enough"""
-    closest = _closest(active, overlap)
-    if overlap[closest] >= rules.visited:
-        visited = max(visited, closest)
-    return _onward(active, max(visited, active) if at else visited, reach, overlap, rules)
-
-
-def move_on__follows_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
-    """an RE of exactly rules.p_follow is not enough"""
-    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
-    ready = active < last and reach[active + 1] >= rules.p_follow
-    ready = ready and overlap[active + 1] > rules.near
-    return active + int(active < last and (ready or visited >= active)), visited
-
-
-def move_on__is_near_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
-    """an overlap of exactly rules.near is not enough"""
-    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
-    ready = active < last and reach[active + 1] > rules.p_follow
-    ready = ready and overlap[active + 1] >= rules.near
-    return active + int(active < last and (ready or visited >= active)), visited
-
-
-def move_on__runs_ahead(active, visited, reach, overlap, at, rules):
-    """if, not while"""
-    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
-    while active < last and (visited >= active or _ready(active, visited, reach, overlap, rules)):
-        active += 1
-    return active, visited
 
 
 def move_on__returns_the_old_visited(active, visited, reach, overlap, at, rules):
     """visited 1 is right"""
     seen = _seen(active, visited, overlap, at, rules)
     return _onward(active, seen, reach, overlap, rules)[0], visited
-
-
-def move_on__ends_too_early(active, visited, reach, overlap, at, rules):
-    """only the active one stays"""
-    if active == len(reach) - 1:
-        return active, visited
-    return _onward(active, _seen(active, visited, overlap, at, rules), reach, overlap, rules)
-
-
-def move_on__looks_two_back(active, visited, reach, overlap, at, rules):
-    """active - 2 is too far back"""
-    near = range(max(active - 2, 0), min(active + 1, len(reach) - 1) + 1)
-    closest = max(near, key=lambda j: overlap[j])
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    return _onward(active, max(visited, active) if at else visited, reach, overlap, rules)
 
 
 def move_on__returns_floats(active, visited, reach, overlap, at, rules):
@@ -944,34 +742,6 @@ def frames_to_keep__floats(anchors, total, k):
     """these are floats, which select nothing from an array"""
     frames = anchors[:, None] + np.linspace(-3 * k, 3 * k, 2 * k + 1)
     return np.unique(np.clip(frames, 0, total - 1))
-
-
-def move_on__one_of_two(active, visited, reach, overlap, at, rules):
-    """one of them is not enough"""
-    last, first = len(reach) - 1, max(active - 1, 0)
-    closest = first + int(np.argmax(overlap[first : active + 2]))
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    if at:
-        visited = max(visited, active)
-    if active == last:
-        return active, visited
-    near = reach[active + 1] > rules.p_follow or overlap[active + 1] > rules.near
-    return active + int(visited >= active or near), visited
-
-
-def move_on__closest_by_reach(active, visited, reach, overlap, at, rules):
-    """the closest anchor is the one with the largest overlap"""
-    last, first = len(reach) - 1, max(active - 1, 0)
-    closest = first + int(np.argmax(reach[first : active + 2]))
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    if at:
-        visited = max(visited, active)
-    if active == last:
-        return active, visited
-    near = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
-    return active + int(visited >= active or near), visited
 
 
 def _steps(state, active, visited, reach, overlap, at, waited, rules):

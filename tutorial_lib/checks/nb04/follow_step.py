@@ -23,8 +23,7 @@ from tutorial_lib.checks.nb04.follow_words import (
     wrong_state,
     wrong_target,
 )
-from tutorial_lib.checks.nb04.follower_answers import whole
-from tutorial_lib.checks.nb04.forms import calling
+from tutorial_lib.checks.nb04.forms import calling, whole
 from tutorial_lib.checks.nb04.observations import RULES
 from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory, Story
 from tutorial_lib.checks.nb04.transition import transition

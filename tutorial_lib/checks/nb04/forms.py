@@ -12,6 +12,7 @@ from tutorial_lib.checks.framework import answers
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.topology.following.transitions import State
 
 _SAID = {
     "truth value": "an if wants one value; here it gets an array",
@@ -19,6 +20,16 @@ _SAID = {
 }
 """For words of Python's own message, what they mean here."""
 calling = partial(answers.calling, said=_SAID)
+INVOKE = calling(
+    {
+        IndexError: "after the last anchor there is none: stay there",
+        ValueError: "there may be a single anchor on the path",
+        AttributeError: "state is one of State.SEARCH, State.FOLLOW, ...; rules has the thresholds",
+        TypeError: "active and visited are whole numbers, reach and overlap arrays (L,)",
+        NameError: "is it spelt right, and is its cell run?",
+    }
+)
+"""How students' rules are called."""
 
 
 def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
@@ -43,3 +54,24 @@ def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa:
         words = "these are floats, which select nothing from an array; return whole numbers, int"
         raise WrongAnswer(f"{what}: {words}")
     return numbers.astype(np.intp)
+
+
+def whole(number: object) -> bool:
+    """Whether an answer is a whole number."""
+    return isinstance(number, int | np.integer) and not isinstance(number, bool)
+
+
+def demand(fits: bool, what: str, got: object, words: str) -> None:
+    """Refuse an answer that does not fit; `words` says what to return."""
+    if not fits:
+        raise WrongAnswer(f"{what}: {got} came back; return {words}")
+
+
+def came_back(got: tuple[int, ...], want: tuple[int, ...], why: str) -> str:
+    """Two answers in words, the state and the anchors or these alone, and why one is right."""
+    return f"{_spoken(got)} came back, {_spoken(want)} is right: {why}"
+
+
+def _spoken(answer: tuple[int, ...]) -> str:
+    *states, active, visited = answer
+    return ", ".join([*(State(s).name for s in states), f"active {active}", f"visited {visited}"])

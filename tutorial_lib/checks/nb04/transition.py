@@ -11,11 +11,11 @@ import numpy as np
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follower_answers import (
-    INVOKE,
     changed_wrongly,
     explained,
     state_and_anchors,
 )
+from tutorial_lib.checks.nb04.forms import INVOKE
 from tutorial_lib.checks.nb04.move_on import move_on
 from tutorial_lib.checks.nb04.observations import (
     OBSERVATIONS,
