@@ -199,168 +199,11 @@ def move_on__right_with_lists(active, visited, reach, overlap, at, rules):
     return active + int(has_next and bool(ready or max(been) >= active)), max(been)
 
 
-def transition__takes_the_first(state, active, visited, reach, overlap, at, waited, rules):
-    """not the first above the threshold"""
-    if state == State.SEARCH:
-        for place, probability in enumerate(reach):
-            if probability > rules.p_search:
-                return State.FOLLOW, place, place - 1
-        return State.LOST, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__has_been_there(state, active, visited, reach, overlap, at, waited, rules):
-    """the anchor that was found is still ahead"""
-    if state == State.SEARCH and max(reach) > rules.p_search:
-        return State.FOLLOW, int(np.argmax(reach)), int(np.argmax(reach))
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__searches_for_ever(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that finds no anchor gives up"""
-    if state == State.SEARCH and max(reach) <= rules.p_search:
-        return state, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__drives_without_a_waypoint(
-    state, active, visited, reach, overlap, at, waited, rules
-):
-    """has no waypoint to drive to"""
-    if state == State.SEARCH and max(reach) <= rules.p_search:
-        return State.DEAD_RECKONING, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__searches_by_p_follow(state, active, visited, reach, overlap, at, waited, rules):
-    """a threshold of its own, rules.p_search"""
-    if state == State.SEARCH:
-        best = int(np.argmax(reach))
-        if reach[best] > rules.p_follow:
-            return State.FOLLOW, best, best - 1
-        return State.LOST, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__moves_on_in_the_dark(state, active, visited, reach, overlap, at, waited, rules):
-    """do not call move_on"""
-    if state == State.DEAD_RECKONING:
-        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__never_gives_up(state, active, visited, reach, overlap, at, waited, rules):
-    """the robot is LOST"""
-    return _right(state, active, visited, reach, overlap, at, 0.0, rules)
-
-
-def transition__gives_up_first(state, active, visited, reach, overlap, at, waited, rules):
-    """is not lost, however long it took"""
-    if state == State.DEAD_RECKONING and waited > rules.timeout:
-        return State.LOST, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_done_anywhere(state, active, visited, reach, overlap, at, waited, rules):
-    """not the last one the robot is not done"""
-    if state == State.FOLLOW and at:
-        return State.DONE, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_done_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """is not there yet"""
-    if state == State.FOLLOW and active == len(reach) - 1:
-        return State.DONE, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__stops_one_anchor_early(state, active, visited, reach, overlap, at, waited, rules):
-    """check for DONE before move_on"""
-    if state == State.FOLLOW:
-        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-        if at and active == len(reach) - 1:
-            return State.DONE, active, visited
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_impatient(state, active, visited, reach, overlap, at, waited, rules):
-    """after exactly rules.timeout seconds the robot is not lost yet"""
-    if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
-        return State.LOST if waited >= rules.timeout else state, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
 def transition__has_a_timeout_of_its_own(state, active, visited, reach, overlap, at, waited, rules):
     """Dead reckoning for long, other rules"""
     if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
         return State.LOST if waited > 4.0 else state, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_never_done(state, active, visited, reach, overlap, at, waited, rules):
-    """at the last anchor the robot is DONE"""
-    if state == State.FOLLOW and active == len(reach) - 1:
-        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__stands_still(state, active, visited, reach, overlap, at, waited, rules):
-    """the active anchor must move on"""
-    if state == State.FOLLOW and not (at and active == len(reach) - 1):
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_lost_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """Follow is left below rules.p_lose"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == found[0] == State.FOLLOW and reach[found[1]] <= rules.p_follow:
-        return State.DEAD_RECKONING, *found[1:]
-    return found
-
-
-def transition__is_back_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """dead reckoning is left above rules.p_follow"""
-    if state == State.DEAD_RECKONING and reach[active] > rules.p_lose:
-        return State.FOLLOW, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__looks_at_the_old_anchor(state, active, visited, reach, overlap, at, waited, rules):
-    """the anchor that is active after move_on"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.FOLLOW and found[0] != State.DONE:
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, *found[1:]
-    return found
-
-
-def transition__trusts_the_new_anchor(state, active, visited, reach, overlap, at, waited, rules):
-    """must be able to reach the new anchor"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.FOLLOW and found[1] > active:
-        return State.FOLLOW, *found[1:]
-    return found
-
-
-def transition__forgets_where_it_was(state, active, visited, reach, overlap, at, waited, rules):
-    """keep what move_on returned"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    return (found[0], active, visited) if found[0] == State.DEAD_RECKONING else found
-
-
-def transition__trusts_blindly(state, active, visited, reach, overlap, at, waited, rules):
-    """Follow must notice"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.FOLLOW and found[0] == State.DEAD_RECKONING:
-        return State.FOLLOW, *found[1:]
-    return found
 
 
 def transition__forgets_the_state(state, active, visited, reach, overlap, at, waited, rules):
@@ -372,45 +215,6 @@ def transition__names_the_state(state, active, visited, reach, overlap, at, wait
     """a State and whole numbers"""
     found = _right(state, active, visited, reach, overlap, at, waited, rules)
     return (found[0].name, *found[1:])
-
-
-def transition__moves_on_at_the_end(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that is done keeps its anchors"""
-    new = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if new[0] == State.DONE:
-        return State.DONE, *move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-    return new
-
-
-def transition__forgets_its_anchors_when_lost(
-    state, active, visited, reach, overlap, at, waited, rules
-):
-    """LOST, active -1, visited -1 came back"""
-    new = _right(state, active, visited, reach, overlap, at, waited, rules)
-    return (State.LOST, -1, -1) if new[0] == State.LOST else new
-
-
-def transition__names_the_best_when_lost(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that found no anchor keeps active and visited"""
-    new = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.SEARCH and new[0] == State.LOST:
-        best = int(np.argmax(reach))
-        return State.LOST, best, best - 1
-    return new
-
-
-def transition__takes_thresholds_themselves(
-    state, active, visited, reach, overlap, at, waited, rules
-):
-    """RE of exactly a threshold is not above it"""
-    return _right(state, active, visited, reach + 1e-12, overlap, at, waited, rules)
-
-
-def transition__does_nothing_in_the_dark(state, active, visited, reach, overlap, at, waited, rules):
-    """dead reckoning must end, too"""
-    if state == State.DEAD_RECKONING:
-        return state, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
 def transition__right_with_a_table(state, active, visited, reach, overlap, at, waited, rules):
@@ -747,31 +551,6 @@ def frames_to_keep__floats(anchors, total, k):
 def _steps(state, active, visited, reach, overlap, at, waited, rules):
     """The right state machine, for the mistakes below."""
     return check_transition.reference(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__times_out_in_follow(state, active, visited, reach, overlap, at, waited, rules):
-    """waited counts in dead reckoning alone"""
-    over = at and active == len(reach) - 1
-    if state == State.FOLLOW and waited > rules.timeout and not over:
-        return State.LOST, active, visited
-    return _steps(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__never_done_alone(state, active, visited, reach, overlap, at, waited, rules):
-    """a path may have a single anchor"""
-    right = _steps(state, active, visited, reach, overlap, at, waited, rules)
-    if right[0] == State.DONE and len(reach) == 1:
-        sure = reach[0] > rules.p_lose
-        return (State.FOLLOW if sure else State.DEAD_RECKONING), 0, 0
-    return right
-
-
-def transition__done_by_overlap(state, active, visited, reach, overlap, at, waited, rules):
-    """a high overlap with the last anchor is not enough to be DONE: at"""
-    close = overlap[active] > rules.visited
-    if state == State.FOLLOW and active == len(reach) - 1 and (at or close):
-        return State.DONE, active, visited
-    return _steps(state, active, visited, reach, overlap, at, waited, rules)
 
 
 def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer, clock=None):

@@ -31,7 +31,7 @@ def move_on(
     return active, visited
 
 
-CASES = dict(OBSERVATIONS.values()) | random_observations(80, 1)
+CASES = OBSERVATIONS | random_observations(80, 1)
 MISTAKES = """
 an overlap of exactly rules.visited is not enough: above
     > rules.visited -> >= rules.visited
@@ -176,7 +176,7 @@ check_move_on = exercise(
     MISTAKES,
     module=__name__,
     about="Under way, near, at an anchor, at both ends, exactly at thresholds, and 80 at random.",
-    example=OBSERVATIONS["next"][1],
+    example=OBSERVATIONS["the next one reachable and near"],
     invoke=INVOKE,
     form=_formed,
     difference=_why,
