@@ -146,11 +146,13 @@ _ARRAYS = ("memory.place", "reach", "overlap", "waypoints", "odometry")
 _ON_ITS_WAY = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), 1.0, 1.05)
 _EXACT = {
     "exactly rules.at from the waypoint": _exact(_ON_ITS_WAY, 0.25, 0.97),
+    "at the waypoint, whose old place is far ahead": _exact(_ON_ITS_WAY, 0.1, 0.97),
     "at the waypoint, RE of exactly rules.p_lose": _exact(_ON_ITS_WAY, 0.1, 0.4),
     # Of these numbers every way to write the difference makes exactly 0.05.
     "exactly 0.05 m nearer": _exact(
         _ON_ITS_WAY._replace(nearest=0.1), 0.05, 0.97, replace(RULES, at=0.01)
     ),
+    "0.03 m farther than the nearest": _exact(_ON_ITS_WAY._replace(nearest=1.47), 1.5, 0.97),
     "without progress for exactly rules.effort": _exact(
         _ON_ITS_WAY._replace(waited=0.0), 1.5, 0.97, replace(RULES, effort=0.1)
     ),
