@@ -304,26 +304,10 @@ def follow_step__never_arrives(memory, reach, overlap, waypoints, odometry, rule
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=False)
 
 
-def follow_step__believes_void_waypoints(memory, reach, overlap, waypoints, odometry, rules):
-    """below it the waypoint means nothing"""
-    close = np.linalg.norm(waypoints[memory.active]) < rules.at
-    return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(close))
-
-
 def follow_step__has_a_distance_of_its_own(memory, reach, overlap, waypoints, odometry, rules):
     """the waypoint of anchor 0 is 0.05 m away (rules.at = 0.01)"""
     near = np.linalg.norm(waypoints[memory.active]) < 0.25 and reach[memory.active] > rules.p_lose
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(near))
-
-
-def follow_step__never_gives_up(memory, reach, overlap, waypoints, odometry, rules):
-    """a robot in Follow that gets nowhere gives up: LOST"""
-    return _step(memory, reach, overlap, waypoints, odometry, rules, effort=1e6)
-
-
-def follow_step__gives_up_by_the_timeout(memory, reach, overlap, waypoints, odometry, rules):
-    """behind a chair, with patience, after"""
-    return _step(memory, reach, overlap, waypoints, odometry, rules, effort=rules.timeout)
 
 
 def follow_step__counts_steps(memory, reach, overlap, waypoints, odometry, rules):
@@ -359,11 +343,6 @@ def follow_step__resets_the_clock_in_the_dark(memory, reach, overlap, waypoints,
     """in dead reckoning the clock runs"""
     new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
     return new._replace(waited=0.0) if new.state == State.DEAD_RECKONING else new, target
-
-
-def follow_step__counts_every_millimetre(memory, reach, overlap, waypoints, odometry, rules):
-    """it came no nearer by more than 0.05 m"""
-    return _step(memory, reach, overlap, waypoints, odometry, rules, nearer=0.0)
 
 
 def follow_step__keeps_the_least_distance_always(
@@ -445,9 +424,7 @@ def follow_step__right_by_matrices(memory, reach, overlap, waypoints, odometry, 
     return new, None if stops else [x, y]
 
 
-def _step(
-    memory, reach, overlap, waypoints, odometry, rules, at=None, effort=None, tick=0.1, nearer=0.05
-):
+def _step(memory, reach, overlap, waypoints, odometry, rules, at=None, tick=0.1):
     """The follower's step, and what may be wrong with it."""
     if at is None:
         near = np.linalg.norm(waypoints[memory.active]) < rules.at
@@ -461,12 +438,12 @@ def _step(
     target = _into(odometry, new.place)
     gap = float(np.linalg.norm(target))
     progress = state != memory.state or active != memory.active
-    progress |= state == State.FOLLOW and gap < memory.nearest - nearer
+    progress |= state == State.FOLLOW and gap < memory.nearest - 0.05
     if progress:
         new = new._replace(waited=0.0, nearest=gap)
     else:
         new = new._replace(waited=memory.waited + tick)
-    if state == State.FOLLOW and new.waited > (rules.effort if effort is None else effort):
+    if state == State.FOLLOW and new.waited > rules.effort:
         return new._replace(state=State.LOST), None
     return new, target
 
@@ -548,18 +525,15 @@ def frames_to_keep__floats(anchors, total, k):
     return np.unique(np.clip(frames, 0, total - 1))
 
 
-def _steps(state, active, visited, reach, overlap, at, waited, rules):
-    """The right state machine, for the mistakes below."""
-    return check_transition.reference(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer, clock=None):
-    """The loop with another rule of progress, and another clock for giving up."""
+def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer):
+    """The loop with another rule of progress."""
     old = memory
     gap = np.hypot(*waypoints[old.active])
     at = bool(gap < rules.at and reach[old.active] > rules.p_lose)
     before = old.state, old.active, old.visited
-    state, active, visited = _steps(*before, reach, overlap, at, old.waited, rules)
+    state, active, visited = check_transition.reference(
+        *before, reach, overlap, at, old.waited, rules
+    )
     if state in (State.LOST, State.DONE):
         return old._replace(state=state, active=active, visited=visited), None
     place = old.place
@@ -572,7 +546,7 @@ def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer, clock
         waited, nearest = 0.0, far
     new = old._replace(state=state, active=active, visited=visited)
     new = new._replace(place=place, waited=waited, nearest=nearest)
-    if state == State.FOLLOW and (old.waited if clock == "old" else waited) > rules.effort:
+    if state == State.FOLLOW and waited > rules.effort:
         return new._replace(state=State.LOST), None
     return new, point
 
@@ -585,11 +559,6 @@ def follow_step__right_by_the_difference(*step):
 def follow_step__right_by_the_sum(*step):
     """Progress as a sum below the nearest."""
     return _looped(*step, nearer=lambda far, nearest: far + 0.05 < nearest)
-
-
-def follow_step__old_clock(*step):
-    """is compared with rules.effort after this step has been added"""
-    return _looped(*step, nearer=lambda far, nearest: far < nearest - 0.05, clock="old")
 
 
 def choose_anchors__looks_five_ahead(reach, threshold):
