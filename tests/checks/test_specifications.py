@@ -88,6 +88,21 @@ def test_later_cases_come_when_all_others_are_right():
     assert check(lambda x: min(x, 9) + 1).message == "rule, large: 10 came back; 100 is right"
 
 
+def test_groups_of_cases_are_made_and_judged_one_after_the_other():
+    made = []
+
+    def groups():
+        for name, x in (("one", 1), ("large", 99)):
+            made.append(name)
+            yield {name: (x,)}
+
+    check = specified(groups)
+    assert check(lambda x: x - 1).message == "rule, one: add (0 came back; 2 is right)"
+    assert made == ["one"]
+    assert check(lambda x: min(x, 9) + 1).message == "rule, large: 10 came back; 100 is right"
+    assert check(rule).status == "passed"
+
+
 def test_what_is_judged_may_be_more_than_the_answer():
     check = specified({"one": (1,)}, run=lambda function, x: (function(x), "run"))
     assert check(rule).status == "passed"

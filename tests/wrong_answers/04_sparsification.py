@@ -9,28 +9,6 @@ from tutorial_lib.geometry import to_local, to_world
 from tutorial_lib.topology.following.transitions import State
 
 
-def choose_anchors__looks_only_at_the_last(reach, threshold):
-    """every k in (i, j] must be above the threshold"""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = anchors[-1]
-        good = [k for k in range(i + 1, len(reach)) if reach[i, k] > threshold]
-        anchors.append(max(good, default=i + 1))
-    return anchors
-
-
-def choose_anchors__takes_the_first_that_fails(reach, threshold):
-    """that is the first frame that can no longer be reached"""
-    anchors, last = [0], len(reach) - 1
-    while anchors[-1] < last:
-        i = anchors[-1]
-        j = i + 1
-        while j < last and reach[i, j] > threshold:
-            j += 1
-        anchors.append(j)
-    return anchors
-
-
 def choose_anchors__never_gets_on(reach, threshold):
     """has not ended after"""
     anchors = [0]
@@ -42,70 +20,6 @@ def choose_anchors__never_gets_on(reach, threshold):
         if j > i:
             anchors.append(j)
     return anchors
-
-
-def choose_anchors__stops_where_it_fails(reach, threshold):
-    """yours stops where frame i + 1 cannot be reached"""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = j = anchors[-1]
-        while j + 1 < len(reach) and reach[i, j + 1] > threshold:
-            j += 1
-        if j == i:
-            break
-        anchors.append(j)
-    return anchors
-
-
-def choose_anchors__skips_what_fails(reach, threshold):
-    """not even frame i + 1 can be reached, and yours goes on to a later frame"""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = anchors[-1]
-        j = i + 1
-        while j < len(reach) and not reach[i, j] > threshold:
-            j += 1
-        if j == len(reach):
-            j = i + 1
-        while j + 1 < len(reach) and reach[i, j + 1] > threshold:
-            j += 1
-        anchors.append(j)
-    return anchors
-
-
-def choose_anchors__takes_the_threshold_itself(reach, threshold):
-    """greater than the threshold, not equal to it"""
-    return _greedy(lambda i, k: reach[i, k] >= threshold, len(reach))
-
-
-def choose_anchors__asks_from_frame_to_frame(reach, threshold):
-    """not from one frame to the next"""
-    return _greedy(lambda i, k: reach[k - 1, k] > threshold, len(reach))
-
-
-def choose_anchors__looks_back(reach, threshold):
-    """row and column are exchanged"""
-    return _greedy(lambda i, k: reach[k, i] > threshold, len(reach))
-
-
-def choose_anchors__multiplies(reach, threshold):
-    """do not multiply them"""
-    return _greedy(lambda i, k: np.prod(reach[i, i + 1 : k + 1]) > threshold, len(reach))
-
-
-def choose_anchors__averages(reach, threshold):
-    """do not average them"""
-    return _greedy(lambda i, k: reach[i, i + 1 : k + 1].mean() > threshold, len(reach))
-
-
-def choose_anchors__forgets_the_end(reach, threshold):
-    """the last frame is always an anchor"""
-    return _greedy(lambda i, k: reach[i, k] > threshold, len(reach))[:-1]
-
-
-def choose_anchors__forgets_the_start(reach, threshold):
-    """the first frame is an anchor, too"""
-    return _greedy(lambda i, k: reach[i, k] > threshold, len(reach))[1:]
 
 
 def choose_anchors__has_a_threshold_of_its_own(reach, threshold):
@@ -122,21 +36,6 @@ def choose_anchors__marks_them(reach, threshold):
     """a flat list of frames is needed"""
     anchors = _greedy(lambda i, k: reach[i, k] > threshold, len(reach))
     return np.eye(len(reach))[anchors]
-
-
-def choose_anchors__stays_in_the_first_row(reach, threshold):
-    """yours takes it from the first frame"""
-    return _greedy(lambda i, k: reach[0, k] > threshold, len(reach))
-
-
-def choose_anchors__keeps_all_that_is_reachable(reach, threshold):
-    """keeps every frame that can be reached"""
-    return sorted({0, len(reach) - 1, *np.flatnonzero(reach[0] > threshold).tolist()})
-
-
-def choose_anchors__says_the_end_twice(reach, threshold):
-    """the last frame comes twice"""
-    return [*_greedy(lambda i, k: reach[i, k] > threshold, len(reach)), len(reach) - 1]
 
 
 def choose_anchors__runs_over_the_end(reach, threshold):
@@ -187,52 +86,6 @@ def choose_anchors__right_frame_by_frame(reach, threshold):
     return anchors if anchors[-1] == last else [*anchors, last]
 
 
-def frames_to_keep__counts_twice(anchors, total, k):
-    """a frame that two contexts share is kept once"""
-    around = anchors[:, None] + 3 * np.arange(-k, k + 1)
-    return np.clip(around, 0, total - 1).ravel()
-
-
-def frames_to_keep__leaves_the_drive(anchors, total, k):
-    """there are no frames before 0"""
-    return np.unique(anchors[:, None] + 3 * np.arange(-k, k + 1))
-
-
-def frames_to_keep__begins_again_at_the_end(anchors, total, k):
-    """a frame before 0 is no frame from the end"""
-    return np.unique((anchors[:, None] + 3 * np.arange(-k, k + 1)) % total)
-
-
-def frames_to_keep__takes_neighbours(anchors, total, k):
-    """3 frames apart"""
-    return np.unique(np.clip(anchors[:, None] + np.arange(-k, k + 1), 0, total - 1))
-
-
-def frames_to_keep__takes_all_between(anchors, total, k):
-    """only every third frame"""
-    return np.unique(np.clip(anchors[:, None] + np.arange(-3 * k, 3 * k + 1), 0, total - 1))
-
-
-def frames_to_keep__looks_back_only(anchors, total, k):
-    """the frames after the anchor are missing"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, 1), 0, total - 1))
-
-
-def frames_to_keep__looks_ahead_only(anchors, total, k):
-    """the frames before the anchor are missing"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(k + 1), 0, total - 1))
-
-
-def frames_to_keep__ends_too_early(anchors, total, k):
-    """one is missing at the end"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k), 0, total - 1))
-
-
-def frames_to_keep__forgets_the_context(anchors, total, k):
-    """that is the anchors alone"""
-    return anchors
-
-
 def frames_to_keep__gives_the_number(anchors, total, k):
     """not how many there are"""
     return len(frames_to_keep__right_as_a_set(anchors, total, k))
@@ -241,32 +94,6 @@ def frames_to_keep__gives_the_number(anchors, total, k):
 def frames_to_keep__keeps_them_apart(anchors, total, k):
     """a flat list of frames is needed"""
     return np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, total - 1)
-
-
-def frames_to_keep__clips_to_the_number(anchors, total, k):
-    """the last frame is total - 1, not total"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, total))
-
-
-def frames_to_keep__has_a_k_of_its_own(anchors, total, k):
-    """yours has k = 2 written into it"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-2, 3), 0, total - 1))
-
-
-def frames_to_keep__takes_one_too_many(anchors, total, k):
-    """not k + 1"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k - 1, k + 2), 0, total - 1))
-
-
-def frames_to_keep__takes_the_outermost(anchors, total, k):
-    """only the contexts' outermost frames"""
-    return np.unique(np.clip(anchors[:, None] + [-3 * k, 0, 3 * k], 0, total - 1))
-
-
-def frames_to_keep__leaves_the_anchors_out(anchors, total, k):
-    """the anchors themselves are missing"""
-    around = 3 * np.array([step for step in range(-k, k + 1) if step], dtype=int)
-    return np.unique(np.clip(anchors[:, None] + around, 0, total - 1))
 
 
 def frames_to_keep__steps_by_two(anchors, total, k):
@@ -297,102 +124,6 @@ def frames_to_keep__right_as_a_set(anchors, total, k):
     return kept
 
 
-def move_on__goes_back(active, visited, reach, overlap, at, rules):
-    """never goes back to an earlier one"""
-    closest = _closest(active, overlap)
-    if overlap[closest] > rules.visited:
-        visited = closest
-    if at:
-        visited = max(visited, active)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__always_visits(active, visited, reach, overlap, at, rules):
-    """only if its overlap is above rules.visited"""
-    visited = max(visited, _closest(active, overlap), active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__looks_at_the_whole_trail(active, visited, reach, overlap, at, rules):
-    """look only at the anchors before, at and after the active one"""
-    closest = int(np.argmax(overlap))
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__reads_before_the_start(active, visited, reach, overlap, at, rules):
-    """overlap[-1] is the last one of the path"""
-    closest = max(range(active - 1, min(active + 2, len(reach))), key=lambda place: overlap[place])
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__does_not_mind_how_far(active, visited, reach, overlap, at, rules):
-    """the next anchor must be near, too"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1 and (visited >= active or reach[active + 1] > rules.p_follow):
-        active += 1
-    return active, visited
-
-
-def move_on__does_not_ask_for_reachability(active, visited, reach, overlap, at, rules):
-    """the next anchor must be reachable, too"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1 and (visited >= active or overlap[active + 1] > rules.near):
-        active += 1
-    return active, visited
-
-
-def move_on__does_not_know_where_it_stands(active, visited, reach, overlap, at, rules):
-    """a robot at the active anchor has visited it"""
-    visited = _seen(active, visited, overlap, False, rules)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__forgets_where_it_stood(active, visited, reach, overlap, at, rules):
-    """remember that the active anchor was visited"""
-    moved = active + _ready(
-        active, _seen(active, visited, overlap, at, rules), reach, overlap, rules
-    )
-    return moved, visited if at else _seen(active, visited, overlap, at, rules)
-
-
-def move_on__waits_for_the_next(active, visited, reach, overlap, at, rules):
-    """once the active anchor was visited, the robot must move on"""
-    visited = _seen(active, visited, overlap, at, rules)
-    return active + _ready(active, -2, reach, overlap, rules), visited
-
-
-def move_on__must_see_the_next(active, visited, reach, overlap, at, rules):
-    """whatever the RE of the next one"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1 and reach[active + 1] > rules.p_follow:
-        near = overlap[active + 1] > rules.near
-        active += int(near or visited >= active)
-    return active, visited
-
-
-def move_on__asks_first(active, visited, reach, overlap, at, rules):
-    """update the last visited anchor first"""
-    moved = active + _ready(active, visited, reach, overlap, rules)
-    return moved, _seen(active, visited, overlap, at, rules)
-
-
-def move_on__asks_about_the_active_one(active, visited, reach, overlap, at, rules):
-    """reach[active + 1], not that of the active one"""
-    visited = _seen(active, visited, overlap, at, rules)
-    return active + _ready(active, visited, np.roll(reach, 1), overlap, rules), visited
-
-
-def move_on__stays(active, visited, reach, overlap, at, rules):
-    """the active anchor never moves on"""
-    return active, _seen(active, visited, overlap, at, rules)
-
-
 def move_on__falls_back(active, visited, reach, overlap, at, rules):
     """lets the active anchor fall back"""
     visited = _seen(active, visited, overlap, at, rules)
@@ -411,27 +142,6 @@ def move_on__goes_beyond_the_end(active, visited, reach, overlap, at, rules):
     return active + int(ready or visited >= active), visited
 
 
-def move_on__has_numbers_of_its_own(active, visited, reach, overlap, at, rules):
-    """other rules"""
-    closest = _closest(active, overlap)
-    if overlap[closest] > 0.8:
-        visited = max(visited, closest)
-    visited = max(visited, active if at else -1)
-    ready = False
-    if active < len(reach) - 1:
-        ready = visited >= active or (overlap[active + 1] > 0.6 and reach[active + 1] > 0.92)
-    return active + int(ready), visited
-
-
-def move_on__asks_for_exactly_the_active_one(active, visited, reach, overlap, at, rules):
-    """a robot that has visited the next anchor has passed the active one"""
-    visited = _seen(active, visited, overlap, at, rules)
-    if active < len(reach) - 1:
-        ready = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
-        active += int(ready or visited == active)
-    return active, visited
-
-
 def move_on__leaps_over_the_next(active, visited, reach, overlap, at, rules):
     """not to visited + 1"""
     visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
@@ -442,100 +152,15 @@ def move_on__leaps_over_the_next(active, visited, reach, overlap, at, rules):
     return active + _ready(active, visited, reach, overlap, rules), visited
 
 
-def move_on__compares_one_too_many(active, visited, reach, overlap, at, rules):
-    """active + 2 is too far"""
-    first = max(active - 1, 0)
-    few = overlap[first : active + 3]
-    if few.max() > rules.visited:
-        visited = max(visited, first + int(few.argmax()))
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__takes_the_farthest(active, visited, reach, overlap, at, rules):
-    """only the closest counts, not the farthest"""
-    for place in range(max(active - 1, 0), min(active + 2, len(reach))):
-        if overlap[place] > rules.visited:
-            visited = max(visited, place)
-    visited = max(visited, active if at else -1)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__stands_at_the_closest(active, visited, reach, overlap, at, rules):
-    """that one was visited, not the closest"""
-    closest = _closest(active, overlap)
-    if at or overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
-def move_on__asks_for_one_of_two(active, visited, reach, overlap, at, rules):
-    """if, not elif"""
-    closest = _closest(active, overlap)
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    elif at:
-        visited = max(visited, active)
-    return active + _ready(active, visited, reach, overlap, rules), visited
-
-
 def move_on__gives_only_one(active, visited, reach, overlap, at, rules):
     """return active, visited"""
     return active + 1
-
-
-def move_on__visits_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
-    """an overlap of exactly rules.visited is not enough"""
-    closest = _closest(active, overlap)
-    if overlap[closest] >= rules.visited:
-        visited = max(visited, closest)
-    return _onward(active, max(visited, active) if at else visited, reach, overlap, rules)
-
-
-def move_on__follows_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
-    """an RE of exactly rules.p_follow is not enough"""
-    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
-    ready = active < last and reach[active + 1] >= rules.p_follow
-    ready = ready and overlap[active + 1] > rules.near
-    return active + int(active < last and (ready or visited >= active)), visited
-
-
-def move_on__is_near_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
-    """an overlap of exactly rules.near is not enough"""
-    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
-    ready = active < last and reach[active + 1] > rules.p_follow
-    ready = ready and overlap[active + 1] >= rules.near
-    return active + int(active < last and (ready or visited >= active)), visited
-
-
-def move_on__runs_ahead(active, visited, reach, overlap, at, rules):
-    """if, not while"""
-    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
-    while active < last and (visited >= active or _ready(active, visited, reach, overlap, rules)):
-        active += 1
-    return active, visited
 
 
 def move_on__returns_the_old_visited(active, visited, reach, overlap, at, rules):
     """visited 1 is right"""
     seen = _seen(active, visited, overlap, at, rules)
     return _onward(active, seen, reach, overlap, rules)[0], visited
-
-
-def move_on__ends_too_early(active, visited, reach, overlap, at, rules):
-    """only the active one stays"""
-    if active == len(reach) - 1:
-        return active, visited
-    return _onward(active, _seen(active, visited, overlap, at, rules), reach, overlap, rules)
-
-
-def move_on__looks_two_back(active, visited, reach, overlap, at, rules):
-    """active - 2 is too far back"""
-    near = range(max(active - 2, 0), min(active + 1, len(reach) - 1) + 1)
-    closest = max(near, key=lambda j: overlap[j])
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    return _onward(active, max(visited, active) if at else visited, reach, overlap, rules)
 
 
 def move_on__returns_floats(active, visited, reach, overlap, at, rules):
@@ -574,168 +199,11 @@ def move_on__right_with_lists(active, visited, reach, overlap, at, rules):
     return active + int(has_next and bool(ready or max(been) >= active)), max(been)
 
 
-def transition__takes_the_first(state, active, visited, reach, overlap, at, waited, rules):
-    """not the first above the threshold"""
-    if state == State.SEARCH:
-        for place, probability in enumerate(reach):
-            if probability > rules.p_search:
-                return State.FOLLOW, place, place - 1
-        return State.LOST, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__has_been_there(state, active, visited, reach, overlap, at, waited, rules):
-    """the anchor that was found is still ahead"""
-    if state == State.SEARCH and max(reach) > rules.p_search:
-        return State.FOLLOW, int(np.argmax(reach)), int(np.argmax(reach))
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__searches_for_ever(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that finds no anchor gives up"""
-    if state == State.SEARCH and max(reach) <= rules.p_search:
-        return state, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__drives_without_a_waypoint(
-    state, active, visited, reach, overlap, at, waited, rules
-):
-    """has no waypoint to drive to"""
-    if state == State.SEARCH and max(reach) <= rules.p_search:
-        return State.DEAD_RECKONING, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__searches_by_p_follow(state, active, visited, reach, overlap, at, waited, rules):
-    """a threshold of its own, rules.p_search"""
-    if state == State.SEARCH:
-        best = int(np.argmax(reach))
-        if reach[best] > rules.p_follow:
-            return State.FOLLOW, best, best - 1
-        return State.LOST, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__moves_on_in_the_dark(state, active, visited, reach, overlap, at, waited, rules):
-    """do not call move_on"""
-    if state == State.DEAD_RECKONING:
-        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__never_gives_up(state, active, visited, reach, overlap, at, waited, rules):
-    """the robot is LOST"""
-    return _right(state, active, visited, reach, overlap, at, 0.0, rules)
-
-
-def transition__gives_up_first(state, active, visited, reach, overlap, at, waited, rules):
-    """is not lost, however long it took"""
-    if state == State.DEAD_RECKONING and waited > rules.timeout:
-        return State.LOST, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_done_anywhere(state, active, visited, reach, overlap, at, waited, rules):
-    """not the last one the robot is not done"""
-    if state == State.FOLLOW and at:
-        return State.DONE, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_done_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """is not there yet"""
-    if state == State.FOLLOW and active == len(reach) - 1:
-        return State.DONE, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__stops_one_anchor_early(state, active, visited, reach, overlap, at, waited, rules):
-    """check for DONE before move_on"""
-    if state == State.FOLLOW:
-        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-        if at and active == len(reach) - 1:
-            return State.DONE, active, visited
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_impatient(state, active, visited, reach, overlap, at, waited, rules):
-    """after exactly rules.timeout seconds the robot is not lost yet"""
-    if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
-        return State.LOST if waited >= rules.timeout else state, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
 def transition__has_a_timeout_of_its_own(state, active, visited, reach, overlap, at, waited, rules):
     """Dead reckoning for long, other rules"""
     if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
         return State.LOST if waited > 4.0 else state, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_never_done(state, active, visited, reach, overlap, at, waited, rules):
-    """at the last anchor the robot is DONE"""
-    if state == State.FOLLOW and active == len(reach) - 1:
-        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__stands_still(state, active, visited, reach, overlap, at, waited, rules):
-    """the active anchor must move on"""
-    if state == State.FOLLOW and not (at and active == len(reach) - 1):
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__is_lost_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """Follow is left below rules.p_lose"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == found[0] == State.FOLLOW and reach[found[1]] <= rules.p_follow:
-        return State.DEAD_RECKONING, *found[1:]
-    return found
-
-
-def transition__is_back_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """dead reckoning is left above rules.p_follow"""
-    if state == State.DEAD_RECKONING and reach[active] > rules.p_lose:
-        return State.FOLLOW, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__looks_at_the_old_anchor(state, active, visited, reach, overlap, at, waited, rules):
-    """the anchor that is active after move_on"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.FOLLOW and found[0] != State.DONE:
-        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
-        return here, *found[1:]
-    return found
-
-
-def transition__trusts_the_new_anchor(state, active, visited, reach, overlap, at, waited, rules):
-    """must be able to reach the new anchor"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.FOLLOW and found[1] > active:
-        return State.FOLLOW, *found[1:]
-    return found
-
-
-def transition__forgets_where_it_was(state, active, visited, reach, overlap, at, waited, rules):
-    """keep what move_on returned"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    return (found[0], active, visited) if found[0] == State.DEAD_RECKONING else found
-
-
-def transition__trusts_blindly(state, active, visited, reach, overlap, at, waited, rules):
-    """Follow must notice"""
-    found = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.FOLLOW and found[0] == State.DEAD_RECKONING:
-        return State.FOLLOW, *found[1:]
-    return found
 
 
 def transition__forgets_the_state(state, active, visited, reach, overlap, at, waited, rules):
@@ -747,45 +215,6 @@ def transition__names_the_state(state, active, visited, reach, overlap, at, wait
     """a State and whole numbers"""
     found = _right(state, active, visited, reach, overlap, at, waited, rules)
     return (found[0].name, *found[1:])
-
-
-def transition__moves_on_at_the_end(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that is done keeps its anchors"""
-    new = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if new[0] == State.DONE:
-        return State.DONE, *move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
-    return new
-
-
-def transition__forgets_its_anchors_when_lost(
-    state, active, visited, reach, overlap, at, waited, rules
-):
-    """LOST, active -1, visited -1 came back"""
-    new = _right(state, active, visited, reach, overlap, at, waited, rules)
-    return (State.LOST, -1, -1) if new[0] == State.LOST else new
-
-
-def transition__names_the_best_when_lost(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that found no anchor keeps active and visited"""
-    new = _right(state, active, visited, reach, overlap, at, waited, rules)
-    if state == State.SEARCH and new[0] == State.LOST:
-        best = int(np.argmax(reach))
-        return State.LOST, best, best - 1
-    return new
-
-
-def transition__takes_thresholds_themselves(
-    state, active, visited, reach, overlap, at, waited, rules
-):
-    """RE of exactly a threshold is not above it"""
-    return _right(state, active, visited, reach + 1e-12, overlap, at, waited, rules)
-
-
-def transition__does_nothing_in_the_dark(state, active, visited, reach, overlap, at, waited, rules):
-    """dead reckoning must end, too"""
-    if state == State.DEAD_RECKONING:
-        return state, active, visited
-    return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
 def transition__right_with_a_table(state, active, visited, reach, overlap, at, waited, rules):
@@ -875,26 +304,10 @@ def follow_step__never_arrives(memory, reach, overlap, waypoints, odometry, rule
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=False)
 
 
-def follow_step__believes_void_waypoints(memory, reach, overlap, waypoints, odometry, rules):
-    """below it the waypoint means nothing"""
-    close = np.linalg.norm(waypoints[memory.active]) < rules.at
-    return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(close))
-
-
 def follow_step__has_a_distance_of_its_own(memory, reach, overlap, waypoints, odometry, rules):
     """the waypoint of anchor 0 is 0.05 m away (rules.at = 0.01)"""
     near = np.linalg.norm(waypoints[memory.active]) < 0.25 and reach[memory.active] > rules.p_lose
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(near))
-
-
-def follow_step__never_gives_up(memory, reach, overlap, waypoints, odometry, rules):
-    """a robot in Follow that gets nowhere gives up: LOST"""
-    return _step(memory, reach, overlap, waypoints, odometry, rules, effort=1e6)
-
-
-def follow_step__gives_up_by_the_timeout(memory, reach, overlap, waypoints, odometry, rules):
-    """behind a chair, with patience, after"""
-    return _step(memory, reach, overlap, waypoints, odometry, rules, effort=rules.timeout)
 
 
 def follow_step__counts_steps(memory, reach, overlap, waypoints, odometry, rules):
@@ -930,11 +343,6 @@ def follow_step__resets_the_clock_in_the_dark(memory, reach, overlap, waypoints,
     """in dead reckoning the clock runs"""
     new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
     return new._replace(waited=0.0) if new.state == State.DEAD_RECKONING else new, target
-
-
-def follow_step__counts_every_millimetre(memory, reach, overlap, waypoints, odometry, rules):
-    """it came no nearer by more than 0.05 m"""
-    return _step(memory, reach, overlap, waypoints, odometry, rules, nearer=0.0)
 
 
 def follow_step__keeps_the_least_distance_always(
@@ -1016,9 +424,7 @@ def follow_step__right_by_matrices(memory, reach, overlap, waypoints, odometry, 
     return new, None if stops else [x, y]
 
 
-def _step(
-    memory, reach, overlap, waypoints, odometry, rules, at=None, effort=None, tick=0.1, nearer=0.05
-):
+def _step(memory, reach, overlap, waypoints, odometry, rules, at=None, tick=0.1):
     """The follower's step, and what may be wrong with it."""
     if at is None:
         near = np.linalg.norm(waypoints[memory.active]) < rules.at
@@ -1032,12 +438,12 @@ def _step(
     target = _into(odometry, new.place)
     gap = float(np.linalg.norm(target))
     progress = state != memory.state or active != memory.active
-    progress |= state == State.FOLLOW and gap < memory.nearest - nearer
+    progress |= state == State.FOLLOW and gap < memory.nearest - 0.05
     if progress:
         new = new._replace(waited=0.0, nearest=gap)
     else:
         new = new._replace(waited=memory.waited + tick)
-    if state == State.FOLLOW and new.waited > (rules.effort if effort is None else effort):
+    if state == State.FOLLOW and new.waited > rules.effort:
         return new._replace(state=State.LOST), None
     return new, target
 
@@ -1113,88 +519,21 @@ def _matrix(pose):
     return np.array([[cos, -sin, pose[0]], [sin, cos, pose[1]], [0.0, 0.0, 1.0]])
 
 
-def frames_to_keep__loses_the_frame_at_an_end(anchors, total, k):
-    """needs the frame there, which need not be an anchor"""
-    steps = range(-3 * k, 3 * k + 1, 3)
-    return sorted({int(a) + s for a in anchors for s in steps if 0 <= a + s < total})
-
-
-def frames_to_keep__ends_at_the_last_anchor(anchors, total, k):
-    """the trajectory ends at total - 1, not at the last anchor"""
-    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, anchors[-1]))
-
-
 def frames_to_keep__floats(anchors, total, k):
     """these are floats, which select nothing from an array"""
     frames = anchors[:, None] + np.linspace(-3 * k, 3 * k, 2 * k + 1)
     return np.unique(np.clip(frames, 0, total - 1))
 
 
-def move_on__one_of_two(active, visited, reach, overlap, at, rules):
-    """one of them is not enough"""
-    last, first = len(reach) - 1, max(active - 1, 0)
-    closest = first + int(np.argmax(overlap[first : active + 2]))
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    if at:
-        visited = max(visited, active)
-    if active == last:
-        return active, visited
-    near = reach[active + 1] > rules.p_follow or overlap[active + 1] > rules.near
-    return active + int(visited >= active or near), visited
-
-
-def move_on__closest_by_reach(active, visited, reach, overlap, at, rules):
-    """the closest anchor is the one with the largest overlap"""
-    last, first = len(reach) - 1, max(active - 1, 0)
-    closest = first + int(np.argmax(reach[first : active + 2]))
-    if overlap[closest] > rules.visited:
-        visited = max(visited, closest)
-    if at:
-        visited = max(visited, active)
-    if active == last:
-        return active, visited
-    near = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
-    return active + int(visited >= active or near), visited
-
-
-def _steps(state, active, visited, reach, overlap, at, waited, rules):
-    """The right state machine, for the mistakes below."""
-    return check_transition.reference(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__times_out_in_follow(state, active, visited, reach, overlap, at, waited, rules):
-    """waited counts in dead reckoning alone"""
-    over = at and active == len(reach) - 1
-    if state == State.FOLLOW and waited > rules.timeout and not over:
-        return State.LOST, active, visited
-    return _steps(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def transition__never_done_alone(state, active, visited, reach, overlap, at, waited, rules):
-    """a path may have a single anchor"""
-    right = _steps(state, active, visited, reach, overlap, at, waited, rules)
-    if right[0] == State.DONE and len(reach) == 1:
-        sure = reach[0] > rules.p_lose
-        return (State.FOLLOW if sure else State.DEAD_RECKONING), 0, 0
-    return right
-
-
-def transition__done_by_overlap(state, active, visited, reach, overlap, at, waited, rules):
-    """a high overlap with the last anchor is not enough to be DONE: at"""
-    close = overlap[active] > rules.visited
-    if state == State.FOLLOW and active == len(reach) - 1 and (at or close):
-        return State.DONE, active, visited
-    return _steps(state, active, visited, reach, overlap, at, waited, rules)
-
-
-def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer, clock=None):
-    """The loop with another rule of progress, and another clock for giving up."""
+def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer):
+    """The loop with another rule of progress."""
     old = memory
     gap = np.hypot(*waypoints[old.active])
     at = bool(gap < rules.at and reach[old.active] > rules.p_lose)
     before = old.state, old.active, old.visited
-    state, active, visited = _steps(*before, reach, overlap, at, old.waited, rules)
+    state, active, visited = check_transition.reference(
+        *before, reach, overlap, at, old.waited, rules
+    )
     if state in (State.LOST, State.DONE):
         return old._replace(state=state, active=active, visited=visited), None
     place = old.place
@@ -1207,7 +546,7 @@ def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer, clock
         waited, nearest = 0.0, far
     new = old._replace(state=state, active=active, visited=visited)
     new = new._replace(place=place, waited=waited, nearest=nearest)
-    if state == State.FOLLOW and (old.waited if clock == "old" else waited) > rules.effort:
+    if state == State.FOLLOW and waited > rules.effort:
         return new._replace(state=State.LOST), None
     return new, point
 
@@ -1220,11 +559,6 @@ def follow_step__right_by_the_difference(*step):
 def follow_step__right_by_the_sum(*step):
     """Progress as a sum below the nearest."""
     return _looped(*step, nearer=lambda far, nearest: far + 0.05 < nearest)
-
-
-def follow_step__old_clock(*step):
-    """is compared with rules.effort after this step has been added"""
-    return _looped(*step, nearer=lambda far, nearest: far < nearest - 0.05, clock="old")
 
 
 def choose_anchors__looks_five_ahead(reach, threshold):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,7 @@ from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.framework.topics import Topic, judge_topics
 
 Function = Callable[..., Any]
+Cases = Mapping[str, Sequence[Any]]
 
 
 def case(*arguments: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever the rule takes
@@ -24,7 +25,7 @@ def case(*arguments: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever the rul
 
 def exercise(
     rule: Function,
-    cases: Mapping[str, Sequence[Any]] | Sequence[Topic],
+    cases: Cases | Sequence[Topic] | Callable[[], Iterable[Cases]],
     mistakes: str = "",
     *,
     module: str,
@@ -42,7 +43,8 @@ def exercise(
     Args:
         rule: the right answer; the cells below use it where the student's is not there.
         cases: for each, what it is like and the arguments, for `compare`; or topics, each with
-            words of its own, for `judge_topics`.
+            words of its own, for `judge_topics`; or a function that gives groups of cases, each
+            of which comes, and is made, once those before it are right.
         mistakes: see `mistakes_of`.
         module: of the check; names the notebook.
         about: one line on what is checked.
@@ -59,15 +61,17 @@ def exercise(
     """
     known = mistakes_of(rule, mistakes) | dict(others or {})
     right, faults = rule, known
-    compared = compare if isinstance(cases, Mapping) else judge_topics
+    compared = judge_topics if isinstance(cases, Sequence) else compare
     if run is not None:
         right, faults = partial(run, rule), {words: partial(run, f) for words, f in known.items()}
         there = beside(run)
         comparing.setdefault("invoke", lambda what, student, *given: there(student, *given))
 
     def judge(student: Function) -> Any:  # noqa: ANN401 - target and yours, if drawn
+        picture = None
         with np.errstate(all="ignore"):
-            picture = compared(rule.__name__, student, cases, right, faults, **comparing)
+            for group in cases() if callable(cases) else [cases]:
+                picture = compared(rule.__name__, student, group, right, faults, **comparing)
             if later:
                 unknown = {"right": right, "faults": {}}
                 compare(rule.__name__, student, **unknown, **{**comparing, **later})

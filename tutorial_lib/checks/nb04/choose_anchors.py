@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import pairwise
-from typing import Any
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.nb04.follower_answers import calling
-from tutorial_lib.checks.nb04.frame_indices import frame_indices
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.viz.figures.follower_states import reach_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
@@ -33,31 +26,15 @@ BY_HAND = np.array(
 """A small trajectory of eight frames: RE from each (row) to each (column)."""
 
 
-class _Table:
-    """A `Reachability` that looks up a table; observations and targets are indices of frames."""
-
-    def __init__(self, reach: Array) -> None:
-        self.reach = reach
-
-    def prepare(self, targets: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Prepare nothing."""
-        return targets
-
-    def probability(self, observations: NDArray[np.intp], prepared: NDArray[np.intp]) -> Array:
-        """(N,) from the table."""
-        return self.reach[observations, prepared]
-
-
 def choose_anchors(reach: Array, threshold: float) -> NDArray[np.intp]:
-    """The library's anchors for a table of RE.
-
-    Args:
-        reach: (T, T), RE from each frame, a row, to each other one.
-        threshold: p_sparsify.
-    """
-    reach = np.asarray(reach)
-    frames: Any = np.arange(len(reach))
-    return sparsify(_Table(reach), frames, frames, threshold)
+    """The anchors (A,) that `sparsify` finds, from a table of RE (T, T); see the exercise."""
+    anchors, last = [0], len(reach) - 1
+    while anchors[-1] < last:
+        i = j = anchors[-1]
+        while j < last and reach[i, j + 1] > threshold:
+            j += 1
+        anchors.append(max(j, i + 1))
+    return np.array(anchors)
 
 
 def _smooth(frames: int, seed: int) -> Array:
@@ -87,7 +64,7 @@ def _random(count: int) -> dict[str, tuple[Array, float]]:
 
 
 _EVEN = np.array([[1, 0.9, 0.8], [0.9, 1, 0.9], [0.8, 0.9, 1]])
-_CASES = {
+CASES = {
     "the trajectory above": (BY_HAND, 0.9),
     "every frame can be reached": (np.full((6, 6), 0.98), 0.9),
     "no frame can be reached": (np.full((5, 5), 0.3), 0.9),
@@ -99,110 +76,48 @@ _CASES = {
     "RE is known ahead only": (_ahead_only(_smooth(25, 4)), 0.8),
     **_random(24),
 }
-_ENDLESS = (
-    "choose_anchors: your function has not ended after {seconds:g} seconds. Does every round add "
-    "an anchor? Where not even frame i + 1 is above the threshold, it is the next anchor all the "
-    "same: the path must go on"
-)
-
-
-def _greedy(
-    reach: Array,
-    threshold: float,
-    reached: Callable[[Array, int, int, float], bool],
-    gap: bool = False,
-) -> list[int]:
-    """Anchors by another rule; with `gap`, frames that fail may lie between."""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = anchors[-1]
-        ahead = range(i + 1, len(reach))
-        holds = [reached(reach, i, k, threshold) for k in ahead]
-        if gap:
-            last = max((k for k, h in zip(ahead, holds, strict=True) if h), default=i + 1)
-        else:
-            last = max(i + (holds.index(False) if False in holds else len(holds)), i + 1)
-        anchors.append(last)
-    return anchors
-
-
-def _holds(reach: Array, i: int, k: int, threshold: float) -> bool:
-    return bool(reach[i, k] > threshold)
-
-
-def _first_failing(reach: Array, threshold: float) -> list[int]:
-    """The first frame that cannot be reached in place of the last that can."""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        fails = np.flatnonzero(reach[anchors[-1], anchors[-1] + 1 :] <= threshold)
-        anchors.append(anchors[-1] + 1 + int(fails[0]) if len(fails) else len(reach) - 1)
-    return anchors
-
-
-def _skips_ahead(reach: Array, threshold: float) -> list[int]:
-    """Where the next frame fails, on to the next one that does not."""
-    anchors = [0]
-    while anchors[-1] < len(reach) - 1:
-        i = anchors[-1]
-        holds = reach[i, i + 1 :] > threshold
-        start = int(holds.argmax()) if holds.any() else 0
-        fails = np.flatnonzero(~holds[start:])
-        run = int(fails[0]) if len(fails) else len(holds) - start
-        anchors.append(i + max(start + run, 1))
-    return anchors
-
-
-def _gives_up(reach: Array, threshold: float) -> list[int]:
-    """Anchors up to the first frame from which the next one cannot be reached."""
-    anchors = choose_anchors(reach, threshold).tolist()
-    stuck = [i for i, j in pairwise(anchors) if not reach[i, j] > threshold]
-    return anchors[: anchors.index(stuck[0]) + 1] if stuck else anchors
-
-
-_FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
-    "every k in (i, j] must be above the threshold, not only the last one: stop at the first frame "
-    "that fails": lambda r, p: _greedy(r, p, _holds, gap=True),
-    "that is the first frame that can no longer be reached; the anchor is the one before it, the "
-    "last that can": _first_failing,
-    "not even frame i + 1 can be reached, and yours goes on to a later frame; then i + 1 is the "
-    "next anchor": _skips_ahead,
-    "yours stops where frame i + 1 cannot be reached; keep that frame, and go on from it": (
-        _gives_up
-    ),
-    "the last frame is always an anchor, since the path must end where the trajectory ends": (
-        lambda r, p: choose_anchors(r, p)[:-1]
-    ),
-    "the first frame is an anchor, too": lambda r, p: choose_anchors(r, p)[1:],
-    "greater than the threshold, not equal to it": lambda r, p: _greedy(
-        r, p, lambda r, i, k, p: bool(r[i, k] >= p)
-    ),
-    "take RE from the anchor i each time, reach[i, k], not from one frame to the next": (
-        lambda r, p: _greedy(r, p, lambda r, i, k, p: bool(r[k - 1, k] > p))
-    ),
-    "row and column are exchanged: reach[i, k] leads from frame i ahead to frame k": lambda r, p: (
-        _greedy(r, p, lambda r, i, k, p: bool(r[k, i] > p))
-    ),
-    "each RE is compared for itself; do not multiply them": lambda r, p: _greedy(
-        r, p, lambda r, i, k, p: bool(np.prod(r[i, i + 1 : k + 1]) > p)
-    ),
-    "RE from anchor i to frame k stands in row i; yours takes it from the first frame": (
-        lambda r, p: _greedy(r, p, lambda r, i, k, p: bool(r[0, k] > p))
-    ),
-    "one anchor after the other; yours keeps every frame that can be reached": lambda r, p: sorted(
-        {0, len(r) - 1, *np.flatnonzero(r[0] > p).tolist()}
-    ),
-    "threshold is an argument; yours has 0.9 written into it": lambda r, p: choose_anchors(r, 0.9),
-    "threshold is an argument; yours has 0.95 written into it": lambda r, p: choose_anchors(
-        r, 0.95
-    ),
-    "the last frame, T - 1, may be reached from afar like any other one": lambda r, p: _greedy(
-        r, p, lambda r, i, k, p: bool(r[i, k] > p) and k < len(r) - 1
-    ),
-    "the last frame comes twice": lambda r, p: [*choose_anchors(r, p), len(r) - 1],
-    "each RE is compared for itself; do not average them": lambda r, p: _greedy(
-        r, p, lambda r, i, k, p: bool(np.mean(r[i, i + 1 : k + 1]) > p)
-    ),
-}
+MISTAKES = """
+every k in (i, j] must be above the threshold, not only the last one: stop at the first frame that
+fails
+    max(j, i + 1)
+        -> max((k for k in range(i + 1, last + 1) if reach[i, k] > threshold), default=i + 1)
+that is the first frame that can no longer be reached; the anchor is the one before it, the last
+that can
+    max(j, i + 1) -> min(j + 1, last)
+not even frame i + 1 can be reached, and yours goes on to a later frame; then i + 1 is the next
+anchor
+    i = j = anchors[-1]
+        -> i = anchors[-1]; j = next((k for k in range(i, last) if reach[i, k + 1] > threshold), i)
+yours stops where frame i + 1 cannot be reached; keep that frame, and go on from it
+    while anchors[-1] < last:
+        -> while anchors[-1] < last and reach[anchors[-1], anchors[-1] + 1] > threshold:
+the last frame is always an anchor, since the path must end where the trajectory ends
+    np.array(anchors) -> np.array(anchors)[:-1]
+the first frame is an anchor, too
+    np.array(anchors) -> np.array(anchors)[1:]
+greater than the threshold, not equal to it
+    > threshold -> >= threshold
+take RE from the anchor i each time, reach[i, k], not from one frame to the next
+    reach[i, j + 1] -> reach[j, j + 1]
+row and column are exchanged: reach[i, k] leads from frame i ahead to frame k
+    reach[i, j + 1] -> reach[j + 1, i]
+each RE is compared for itself; do not multiply them
+    reach[i, j + 1] -> np.prod(reach[i, i + 1 : j + 2])
+RE from anchor i to frame k stands in row i; yours takes it from the first frame
+    reach[i, j + 1] -> reach[0, j + 1]
+one anchor after the other; yours keeps every frame that can be reached
+    np.array(anchors) -> np.unique([0, *np.flatnonzero(reach[0] > threshold), last])
+threshold is an argument; yours has 0.9 written into it
+    > threshold -> > 0.9
+threshold is an argument; yours has 0.95 written into it
+    > threshold -> > 0.95
+the last frame, T - 1, may be reached from afar like any other one
+    j < last and -> j < last - 1 and
+the last frame comes twice
+    np.array(anchors) -> np.array([*anchors, last])
+each RE is compared for itself; do not average them
+    reach[i, j + 1] -> np.mean(reach[i, i + 1 : j + 2])
+"""
 
 
 def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
@@ -267,18 +182,20 @@ _HINTS: dict[type[Exception], str] = {
 }
 
 
-@check(choose_anchors, (_smooth(200, 3), 0.9), endless=_ENDLESS)
-def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """The trajectory done by hand, ones where all or nothing can be reached, and longer ones."""
-    return compare(
-        "choose_anchors",
-        student,
-        _CASES,
-        choose_anchors,
-        _FAULTS,
-        invoke=calling(_HINTS),
-        form=frame_indices,
-        difference=_apart,
-        broken=_broken,
-        draw=_tables,
-    )
+check_choose_anchors = exercise(
+    choose_anchors,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="The trajectory done by hand, ones where all or nothing can be reached, and longer ones.",
+    example=case(_smooth(200, 3), 0.9),
+    calls=50,
+    endless="choose_anchors: your function has not ended after {seconds:g} seconds. Does every "
+    "round add an anchor? Where not even frame i + 1 is above the threshold, it is the next anchor "
+    "all the same: the path must go on",
+    invoke=calling(_HINTS),
+    form=frame_indices,
+    difference=_apart,
+    broken=_broken,
+    draw=_tables,
+)

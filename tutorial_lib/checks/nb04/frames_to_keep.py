@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.nb04.follower_answers import calling
-from tutorial_lib.checks.nb04.frame_indices import frame_indices
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.viz.figures.follower_states import frames_kept
 from tutorial_lib.viz.figures.panels import stacked
 
 
-def frames_to_keep(anchors: ArrayLike, total: int, k: int) -> NDArray[np.intp]:
+def frames_to_keep(anchors: NDArray[np.intp], total: int, k: int) -> NDArray[np.intp]:
     """The frames, of a trajectory of `total`, that its anchors (A,) with their contexts need."""
-    return np.unique(frames_around(np.asarray(anchors), k, 0, total - 1))
+    around = frames_around(anchors, k, 0, total - 1)
+    return np.unique(around)
 
 
 def _random(count: int) -> dict[str, tuple[NDArray[np.intp], int, int]]:
@@ -33,7 +32,7 @@ def _random(count: int) -> dict[str, tuple[NDArray[np.intp], int, int]]:
     return cases
 
 
-_CASES = {
+CASES = {
     "k = 2": (np.array([0, 18, 39]), 40, 2),
     "anchors close together, k = 2": (np.array([0, 6, 9, 20, 39]), 40, 2),
     "k = 0": (np.array([0, 5, 21, 29]), 30, 0),
@@ -44,6 +43,53 @@ _CASES = {
     "a short trajectory, k = 5": (np.array([0, 4]), 5, 5),
     **_random(20),
 }
+MISTAKES = """
+a frame that two contexts share is kept once: np.unique
+    np.unique(around) -> around.ravel()
+there are no frames before 0 or after the last; there the context repeats the first or last frame
+    frames_around(anchors, k, 0, total - 1) -> anchors[:, None] + 3 * np.arange(-k, k + 1)
+a frame before 0 is no frame from the end; np.clip keeps it within the trajectory
+    frames_around(anchors, k, 0, total - 1)
+        -> (anchors[:, None] + 3 * np.arange(-k, k + 1)) % total
+the last frame is total - 1, not total
+    total - 1 -> total
+the frames of a context are 3 frames apart
+    frames_around(anchors, k, 0, total - 1)
+        -> np.clip(anchors[:, None] + np.arange(-k, k + 1), 0, total - 1)
+only every third frame of a context is needed
+    frames_around(anchors, k, 0, total - 1)
+        -> np.clip(anchors[:, None] + np.arange(-3 * k, 3 * k + 1), 0, total - 1)
+the context lies on both sides; the frames after the anchor are missing
+    np.unique(around) -> np.unique(around[:, : k + 1])
+the context lies on both sides; the frames before the anchor are missing
+    np.unique(around) -> np.unique(around[:, k:])
+k frames on either side; one is missing at the end of each context
+    np.unique(around) -> np.unique(around[:, :-1])
+k frames on either side, not k + 1
+    (anchors, k, -> (anchors, k + 1,
+a context that reaches beyond an end needs the frame there, which need not be an anchor
+    frames_around(anchors, k, 0, total - 1) -> anchors[:, None] + 3 * np.arange(-k, k + 1)
+    np.unique(around) -> np.unique(around[(0 <= around) & (around < total)])
+the trajectory ends at total - 1, not at the last anchor
+    total - 1 -> anchors[-1]
+the trajectory runs from frame 0 to total - 1, not from the first anchor to the last
+    0, total - 1 -> anchors[0], anchors[-1]
+the trajectory begins at frame 0, not at the first anchor
+    0, total - 1 -> anchors[0], total - 1
+the frames of a context are 3 apart, whatever k is
+    frames_around(anchors, k, 0, total - 1)
+        -> np.clip(anchors[:, None] + k * np.arange(-k, k + 1), 0, total - 1)
+k may be 0; then the anchors themselves are kept
+    np.unique(around) -> np.unique(around)[: None if k else 0]
+k is an argument; yours has k = 2 written into it
+    (anchors, k, -> (anchors, 2,
+that is the anchors alone; each needs its context, too
+    np.unique(around) -> anchors
+the anchors themselves are missing
+    np.unique(around) -> np.unique(np.delete(around, k, axis=1))
+only the contexts' outermost frames; those between are needed, too
+    np.unique(around) -> np.unique(around[:, [0, k, -1]])
+"""
 _HINTS: dict[type[Exception], str] = {
     ValueError: "anchors[:, None] is a column, and with a row of offsets it makes a table",
     IndexError: "beyond an end of the trajectory there are no frames",
@@ -51,23 +97,6 @@ _HINTS: dict[type[Exception], str] = {
     AttributeError: "anchors is an array; return an array or a list",
     NameError: "is it spelt right?",
 }
-
-
-@check(frames_to_keep, (np.arange(0, 400, 13), 400, 5))
-def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Contexts that lie apart, that share frames, that reach beyond the ends, and 20 at random."""
-    return compare(
-        "frames_to_keep",
-        student,
-        _CASES,
-        frames_to_keep,
-        _FAULTS,
-        invoke=calling(_HINTS),
-        form=_form,
-        difference=_difference,
-        broken=_broken,
-        draw=_drawn,
-    )
 
 
 def _form(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401 - students'
@@ -112,81 +141,23 @@ def _difference(
 
 
 def _drawn(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
-    anchors, total, _ = next(iter(_CASES.values()))
+    anchors, total, _ = next(iter(CASES.values()))
     shown = [frame for frame in got.tolist() if 0 <= frame < total]
-    return _rows(total, anchors.tolist(), want, np.array(shown, dtype=int))
-
-
-def _rows(
-    total: int, anchors: Sequence[int], want: NDArray[np.intp], got: NDArray[np.intp]
-) -> NDArray[np.uint8]:
-    rows = [frames_kept(total, frames.tolist(), anchors) for frames in (want, got)]
+    rows = [frames_kept(total, frames, anchors.tolist()) for frames in (want.tolist(), shown)]
     return stacked(rows, ["target", "yours"], gap=4)
 
 
-def _kept(offsets: Callable[[int], Iterable[int]]) -> Callable[..., NDArray[np.intp]]:
-    """The rule with other frames in a context of k."""
-
-    def fault(anchors: NDArray[np.intp], total: int, k: int) -> NDArray[np.intp]:
-        return np.unique(np.clip(_around(anchors, offsets(k)), 0, total - 1))
-
-    return fault
-
-
-def _around(anchors: NDArray[np.intp], offsets: Iterable[int]) -> NDArray[np.intp]:
-    return (anchors[:, None] + np.array(list(offsets), dtype=int)).ravel()
-
-
-def _steps(k: int) -> range:
-    return range(-3 * k, 3 * k + 1, 3)
-
-
-_FAULTS: dict[str, Callable[..., NDArray[np.intp]]] = {
-    "a frame that two contexts share is kept once: np.unique": lambda a, n, k: np.clip(
-        _around(a, _steps(k)), 0, n - 1
-    ),
-    "there are no frames before 0 or after the last; there the context repeats the first or last "
-    "frame": lambda a, n, k: np.unique(_around(a, _steps(k))),
-    "a frame before 0 is no frame from the end; np.clip keeps it within the trajectory": (
-        lambda a, n, k: np.unique(_around(a, _steps(k)) % n)
-    ),
-    "the last frame is total - 1, not total": lambda a, n, k: np.unique(
-        np.clip(_around(a, _steps(k)), 0, n)
-    ),
-    "the frames of a context are 3 frames apart": _kept(lambda k: range(-k, k + 1)),
-    "only every third frame of a context is needed": _kept(lambda k: range(-3 * k, 3 * k + 1)),
-    "the context lies on both sides; the frames after the anchor are missing": _kept(
-        lambda k: range(-3 * k, 1, 3)
-    ),
-    "the context lies on both sides; the frames before the anchor are missing": _kept(
-        lambda k: range(0, 3 * k + 1, 3)
-    ),
-    "k frames on either side; one is missing at the end of each context": _kept(
-        lambda k: range(-3 * k, 3 * k, 3)
-    ),
-    "k frames on either side, not k + 1": _kept(lambda k: range(-3 * k - 3, 3 * k + 4, 3)),
-    "a context that reaches beyond an end needs the frame there, which need not be an anchor": (
-        lambda a, n, k: np.unique([f for f in _around(a, _steps(k)) if 0 <= f < n])
-    ),
-    "the trajectory ends at total - 1, not at the last anchor": lambda a, n, k: np.unique(
-        np.clip(_around(a, _steps(k)), 0, a[-1])
-    ),
-    "the trajectory runs from frame 0 to total - 1, not from the first anchor to the last": (
-        lambda a, n, k: np.unique(np.clip(_around(a, _steps(k)), a[0], a[-1]))
-    ),
-    "the trajectory begins at frame 0, not at the first anchor": lambda a, n, k: np.unique(
-        np.clip(_around(a, _steps(k)), a[0], n - 1)
-    ),
-    "the frames of a context are 3 apart, whatever k is": _kept(
-        lambda k: [k * s for s in range(-k, k + 1)]
-    ),
-    "k may be 0; then the anchors themselves are kept": lambda a, n, k: frames_to_keep(a, n, k)[
-        : None if k else 0
-    ],
-    "k is an argument; yours has k = 2 written into it": _kept(lambda k: _steps(2)),
-    "that is the anchors alone; each needs its context, too": lambda a, n, k: a,
-    "the anchors themselves are missing": _kept(lambda k: [s for s in _steps(k) if s]),
-    "only the contexts' outermost frames; those between are needed, too": _kept(
-        lambda k: [-3 * k, 0, 3 * k]
-    ),
-}
+check_frames_to_keep = exercise(
+    frames_to_keep,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Contexts that lie apart, that share frames, that reach beyond the ends, and 20 at "
+    "random.",
+    example=case(np.arange(0, 400, 13), 400, 5),
+    invoke=calling(_HINTS),
+    form=_form,
+    difference=_difference,
+    broken=_broken,
+    draw=_drawn,
+)
