@@ -1,4 +1,4 @@
-"""The page of results and the README's block are what the command makes of the stored results."""
+"""The page of results and the README's blocks are what the command makes."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,10 @@ import pytest
 
 from tutorial_lib.cli import main
 from tutorial_lib.commands import results
+from tutorial_lib.commands.experiment import ABLATIONS
+from tutorial_lib.commands.measuring import measuring_block
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
 from tutorial_lib.experiments.results_page.markdown import interval, percent
 from tutorial_lib.experiments.results_page.page import (
     BEGIN,
@@ -30,9 +33,26 @@ def test_the_page_is_what_the_command_makes():
     assert PAGE.read_bytes() == page_of(RESULTS).encode()
 
 
-def test_the_block_of_the_readme_is_what_the_command_makes():
+@pytest.mark.parametrize("block", [block_of(RESULTS), measuring_block()], ids=["results", "help"])
+def test_a_block_of_the_readme_is_what_the_command_makes(block):
     text = README.read_text(encoding="utf-8")
-    assert with_block(text, block_of(RESULTS)).encode() == README.read_bytes()
+    assert with_block(text, block).encode() == README.read_bytes()
+
+
+def test_the_readme_tells_what_each_experiment_measures_and_takes():
+    lines = measuring_block().splitlines()
+    for name, entry in {**EXPERIMENTS, **BENCHMARKS}.items():
+        (line,) = [line for line in lines if line.startswith(f"| `{name}` | ")]
+        _, _, measures, takes, _ = (cell.strip() for cell in line.split("|"))
+        assert len(measures) > 30
+        assert takes.strip("`") == " ".join(entry.options())
+    for option in ("--json FILE", "--map FILE", "--quick", "--body {round,car}"):
+        (line,) = [line for line in lines if line.startswith(f"| `{option}` | ")]
+        assert len(line.split("|")[2]) > 10
+
+
+def test_every_ablation_has_its_words():
+    assert set(ABLATIONS) == {name for entry in EXPERIMENTS.values() for name in entry.ablations}
 
 
 def test_the_readme_has_a_short_table():
@@ -104,7 +124,7 @@ def test_the_command_writes_both_and_says_so(tmp_path, monkeypatch, capsys):
     readme.write_text(f"# Mine\n\n{BEGIN}\nold\n{END}\n\nThe rest.\n", encoding="utf-8")
     made = tmp_path / "made.md"
     monkeypatch.setattr(results, "course_folder", lambda: tmp_path)
-    monkeypatch.setattr(results, "write_results", lambda path, page: [path, made])
+    monkeypatch.setattr(results, "write_results", lambda path, page, blocks: [path, made])
     assert main(["results"]) == 0
     assert capsys.readouterr().out == "wrote README.md\nwrote made.md\n"
 
@@ -127,7 +147,14 @@ def test_only_what_is_between_the_markers_is_replaced():
 )
 def test_markers_that_are_missing_or_doubled_are_named(text):
     with pytest.raises(InputError, match=r"README\.md: write <!-- results: begin"):
-        with_block(text, "block")
+        with_block(text, f"{BEGIN}\nnew\n{END}")
+
+
+def test_a_readme_has_all_blocks(tmp_path):
+    readme, more = tmp_path / "README.md", "<!-- more: begin -->\nnew\n<!-- more: end -->"
+    readme.write_text(f"{BEGIN}\n{END}\n{more.replace('new', 'old')}\n", encoding="utf-8")
+    write_results(readme, tmp_path / "page.md", blocks=[more])
+    assert readme.read_text(encoding="utf-8") == f"{block_of(RESULTS)}\n{more}\n"
 
 
 def test_the_help_lists_the_command(capsys):

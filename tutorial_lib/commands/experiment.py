@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -29,33 +30,84 @@ from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.world.generators import FAMILIES
 from tutorial_lib.world.generators.palette import PALETTES
 
+ABLATIONS = {
+    "encoder": "four ways to compare two images, each trained anew",
+    "worlds": "C trained in 4, 12 and 48 worlds",
+    "rows": "images of 16 and of 64 rows",
+    "smoothing": "C with and without the mean of its last waypoints",
+    "thresholds": "thresholds of RE and of SPTM's similarity, for what --drives says",
+    "goal_images": "thresholds of a goal, shown as one image and as a clip",
+    "audit": "how many pairs labelled 0 without a rollout would be reached",
+    "mirror": "RE that looks at each pair twice, the second time in a mirror",
+    "localization": "the Bayes filter by itself",
+    "reuse": "rules by which maps stay small",
+    "patience": "how soon a follower gives up",
+    "geometry": "the true geometry in place of the networks, for those that drive",
+    "options": "rules that the paper has and the agent has not, or the other way round",
+    "exact": "motion and odometry without noise",
+    "parts": "the agent without one of its parts at a time",
+}
+"""What else an experiment compares, by name: these run in its place."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the experiments and their options."""
     add_common(parser, EXPERIMENTS)
     add_map(parser)
-    known = dict.fromkeys(name for entry in EXPERIMENTS.values() for name in entry.ablations)
-    parser.add_argument("--ablation", choices=known, default="")
-    parser.add_argument("--palette", choices=PALETTES, default=STANDARD)
+    runs = "; ".join(f"{name}: {words}" for name, words in ABLATIONS.items())
     parser.add_argument(
-        "--family", choices=(*FAMILIES, "all"), default="", help="of generated worlds"
+        "--ablation", choices=ABLATIONS, default="", help=f"what runs in its place. {runs}"
+    )
+    parser.add_argument(
+        "--palette",
+        choices=PALETTES,
+        default=STANDARD,
+        help="shifted: colours, gamma and noise that no network has seen",
+    )
+    parser.add_argument(
+        "--family",
+        choices=(*FAMILIES, "all"),
+        default="",
+        help="of generated worlds; all: in turn, by seed",
     )
     parser.add_argument(
         "--agent", default="", metavar="FILE.py:CLASS", help="a class of your own, as row custom"
     )
     parser.add_argument(
-        "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
+        "--odometry",
+        choices=ODOMETRY,
+        default=DRIFTING,
+        help="of the robots' wheels; exact: without drift",
     )
     parser.add_argument(
-        "--drives", type=parse_drives, default="", help="learned: a share as 0.2, or a tour"
+        "--drives",
+        type=parse_drives,
+        default="",
+        metavar="SHARE",
+        help="what agents learn of the drives: a share such as 0.2, so that most trials must be "
+        "composed of several; tour: from each place to the next and back; or continuous, the same "
+        "as one drive",
     )
-    parser.add_argument("--starts", choices=STARTS, default="", help="of trials")
-    parser.add_argument("--goals", choices=GOALS, default="", help="how they are seen")
+    parser.add_argument(
+        "--starts",
+        choices=STARTS,
+        default="",
+        help="of trials; anywhere: on a drive, looking aside",
+    )
+    parser.add_argument(
+        "--goals",
+        choices=GOALS,
+        default="",
+        help="how they are seen; turned: as on arrival from elsewhere",
+    )
     parser.add_argument(
         "--goal-images", choices=GOAL_IMAGES, default="", help="one image, or the end of a drive"
     )
     parser.add_argument(
-        "--remedies", choices=REMEDIES, default="", help="for places that look alike"
+        "--remedies",
+        choices=REMEDIES,
+        default="",
+        help="for places that look alike (notebook 07): each alone, all but one, or all",
     )
     parser.add_argument("--body", choices=BODIES, default=ROUND, help="of robots that explore")
 
@@ -65,9 +117,15 @@ def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) ->
     parser.epilog = _accepted(table)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("name", choices=table)
-    parser.add_argument("--json", type=Path, help="where to write the rows")
-    parser.add_argument("--worlds", type=parse_worlds, default=(), metavar="A:B")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="where to write the rows")
+    parser.add_argument(
+        "--worlds",
+        type=parse_worlds,
+        default=(),
+        metavar="A:B",
+        help="seeds of the worlds, from A to B - 1",
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all else")
     parser.add_argument("--quick", action="store_true", help="fewer episodes, same code")
     add_scheduler(parser)
     parser.set_defaults(table=table)
@@ -101,10 +159,16 @@ def options_of(given: argparse.Namespace) -> Options:
     return Options(**{name: value for name, value in vars(given).items() if name in names})
 
 
+def measured_by(entry: Experiment) -> str:
+    """What an experiment measures: the first line of its module."""
+    return (sys.modules[entry.run.__module__].__doc__ or "").partition("\n")[0]
+
+
 def _accepted(table: dict[str, Experiment]) -> str:
-    """Which experiment takes which options, a line each."""
+    """What each experiment measures, and which options it takes."""
     width = max(map(len, table))
-    lines = [
-        f"  {name:{width}}  {' '.join(entry.options())}".rstrip() for name, entry in table.items()
-    ]
+    lines = []
+    for name, entry in table.items():
+        lines += [f"  {name:{width}}  {' '.join(entry.options())}".rstrip()]
+        lines += [f"  {'':{width}}  {measured_by(entry)}"]
     return "\n".join(["all take --json, --seed and --quick; besides:", *lines])

@@ -10,7 +10,9 @@ from tutorial_lib.errors import InputError
 
 def add_map(parser: argparse.ArgumentParser) -> None:
     """Declare --map and --region."""
-    parser.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
+    parser.add_argument(
+        "--map", type=Path, metavar="FILE", help="a ROS map's YAML, a HouseExpo or a plan's JSON"
+    )
     parser.add_argument(
         "--region",
         type=_region,

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from tutorial_lib.commands import experiment
 from tutorial_lib.commands.constants import WRONG_INPUT
+from tutorial_lib.commands.measuring import measuring_block
 from tutorial_lib.course import course_folder
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.results import FOLDER
@@ -33,7 +34,8 @@ def run(options: argparse.Namespace) -> int:
     if options.stale:
         return check_results()
     folder = course_folder()
-    for path in write_results(folder / "README.md", folder / PAGE):
+    blocks = [measuring_block()]
+    for path in write_results(folder / "README.md", folder / PAGE, blocks=blocks):
         print(f"wrote {path.relative_to(folder)}")
     return 0
 

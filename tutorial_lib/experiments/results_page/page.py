@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
@@ -140,25 +142,29 @@ def block_of(results: Results) -> str:
 
 
 def with_block(readme: str, block: str) -> str:
-    """A README with the text between the markers replaced.
+    """A README with a block in place of what is between the block's markers, its ends.
 
     Raises:
         InputError: unless it has both markers once, in order.
     """
-    before, begin, rest = readme.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end) or BEGIN in rest or END in after:
-        raise InputError(f"README.md: write {BEGIN} and {END} once, where the results belong")
+    first, *_, last = block.splitlines()
+    before, begin, rest = readme.partition(first)
+    _, end, after = rest.partition(last)
+    if not (begin and end) or first in rest or last in after:
+        raise InputError(f"README.md: write {first} and {last} once, where the block belongs")
     return f"{before}{block}{after}"
 
 
-def write_results(readme: Path, page: Path, folder: Path = FOLDER) -> list[Path]:
-    """Write the page of a folder of reports, and the block of a README if there is one.
+def write_results(
+    readme: Path, page: Path, folder: Path = FOLDER, blocks: Sequence[str] = ()
+) -> list[Path]:
+    """Write the page of a folder of reports, and the blocks of a README if there is one.
 
     Args:
         readme: the project's.
         page: where the page belongs.
         folder: of the reports.
+        blocks: of the README, beside that of the results.
 
     Raises:
         InputError: naming a report that is missing or damaged and the command that makes it.
@@ -167,7 +173,8 @@ def write_results(readme: Path, page: Path, folder: Path = FOLDER) -> list[Path]
     make_folder(page.parent)
     texts = {page: page_of(results)}
     if readme.is_file():
-        texts[readme] = with_block(readme.read_text(encoding="utf-8"), block_of(results))
+        parts = (block_of(results), *blocks)
+        texts[readme] = reduce(with_block, parts, readme.read_text(encoding="utf-8"))
     for path, text in texts.items():
         write_text(path, text)
     return list(texts)
