@@ -38,13 +38,13 @@ ABLATIONS = {
     "thresholds": "thresholds of RE and of SPTM's similarity, for what --drives says",
     "goal_images": "thresholds of a goal, shown as one image and as a clip",
     "audit": "how many pairs labelled 0 without a rollout would be reached",
-    "mirror": "RE that looks at each pair twice, the second time in a mirror",
     "localization": "the Bayes filter by itself",
     "reuse": "rules by which maps stay small",
     "patience": "how soon a follower gives up",
     "geometry": "the true geometry in place of the networks, for those that drive",
     "options": "rules that the paper has and the agent has not, or the other way round",
     "exact": "motion and odometry without noise",
+    "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
     "parts": "the agent without one of its parts at a time",
 }
 """What else an experiment compares, by name: these run in its place."""

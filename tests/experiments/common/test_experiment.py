@@ -169,5 +169,6 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_table1 options",
         "nts_fig8 options",
         "nts_fig8 exact",
+        "ltvn_lifelong long",
         "ltvn_lifelong parts",
     }
