@@ -110,6 +110,6 @@ EXPERIMENT = Experiment(
     WORLDS,
     settings=Settings(),
     quick_settings=Settings(trials=50),
-    canary=Settings(places=5, trials=6),
+    canary=Settings(places=5, trials=12),
     accepts=frozenset({"odometry"}),
 )
