@@ -21,7 +21,7 @@ class League:
     Attributes:
         notebook: its number, as in "05".
         columns: of numbers, with their formats as in `table`; the last is the score.
-        baselines: rows by name that are there from the beginning; the first is the one to beat.
+        baselines: rows by name that are there from the beginning; the best is to be beaten.
         rows: names and numbers of what was entered.
 
     Raises:
@@ -56,9 +56,9 @@ class League:
         """All rows, the best score first."""
         given = [self._row(name, numbers) for name, numbers in self.baselines.items()]
         ranked = sorted([*self.rows, *given], key=lambda row: -row[-1])
-        score, (name, *_, wanted) = list(self.columns)[-1], given[0]
-        lead = max((row[-1] for row in self.rows), default=wanted) - wanted
-        caption = f"you lead by {lead:g}" if lead > 0 else f"to beat: {name}, {wanted:g}"
+        score, best = list(self.columns)[-1], max(given, key=lambda row: row[-1])
+        lead = max((row[-1] for row in self.rows), default=best[-1]) - best[-1]
+        caption = f"you lead by {lead:g}" if lead > 0 else f"to beat: {best[0]}, {best[-1]:g}"
         return table({"": "", **self.columns}, ranked, {score: max}, caption)
 
     def _row(self, name: str, numbers: Sequence[float]) -> list[Any]:

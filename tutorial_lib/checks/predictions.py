@@ -23,7 +23,7 @@ from tutorial_lib.viz.figures.panels import line_of_text, stacked
 from tutorial_lib.viz.notebook.display import STATIC
 from tutorial_lib.viz.notebook.widgets import PressPanel
 
-_LETTER = 11  # pixels of a letter of a static picture's text
+_LETTER = 8  # pixels of a letter of a static picture's text
 _NARROWEST = 560  # pixels of a static picture, or its text would be cut into too many lines
 
 
