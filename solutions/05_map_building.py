@@ -184,8 +184,8 @@ trip = Prediction(
     f"is {between('3', 'e'):.2f}; from 3 to d it's {between('3', 'd'):.2f}, and from 2 to d "
     f"{between('2', 'd'):.2f}.",
     tempting="C",
-    because="on the plan d is as near as e. But at 3 the robot looks up the corridor, and d lies "
-    "behind it.",
+    because="on the plan d is just outside the door. But at 3 the robot looks up the corridor, and "
+    "d lies behind it.",
     before=trip_picture(),
     after=trip_picture(
         [((first[2], second[3]), colours.LASER), ((first[2], second[4]), colours.PATH)]
