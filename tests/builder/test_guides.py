@@ -89,6 +89,22 @@ def test_teachers_get_the_mistakes_that_checks_know(project):
     assert "\n  - the headings are subtracted; they add up\n" in page
 
 
+def test_teachers_get_the_predictions_that_students_commit_to(project):
+    source = project / "solutions/01_double.py"
+    code = """
+# %%
+what = Prediction(
+    "01", "what", f"How much is {x} and {x}?", {"A": "three", "B": "four"}, right="B",
+    robot="it counts.", tempting="A", because="one is "
+    "forgotten.", before=picture,
+)
+"""
+    source.write_text(SOURCE + code)
+    page = teachers_page([source], project / "tests/wrong_answers", "# Top")
+    asked = "- How much is … and …? A: three; B: four\n  *Answer:* B. A tempts: one is forgotten."
+    assert asked in page
+
+
 def test_what_is_written_by_hand_stays(project):
     first = [file.read_text() for file in write_guides(project)]
     assert all(text.startswith(f"# By hand\n\n{MADE}\n") for text in first)

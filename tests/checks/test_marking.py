@@ -372,6 +372,13 @@ def hand_in(root, *names):
         file.write_text("x = 1\n")
 
 
+def test_the_record_of_predictions_and_scores_is_no_answer_and_no_stranger(tmp_path):
+    hand_in(tmp_path, "anna/my_answers/01_compose.py", "anna/my_answers/record.json")
+    (anna,) = students_in([tmp_path / "anna"], EXERCISES)
+    assert list(anna.texts) == ["01_compose"]
+    assert anna.unknown == {}
+
+
 def test_folders_of_students_are_found_however_they_are_given(tmp_path, monkeypatch):
     hand_in(tmp_path, "class/anna/my_answers/01_compose.py", "class/anna/my_answers/older/x_v1.py")
     hand_in(tmp_path, "class/ben/01_compose.py", "class/cleo/archive/my_answers/01_to_local.py")

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from tutorial_lib.checks.framework import my_answers
+from tutorial_lib.checks.framework import my_answers, record
 from tutorial_lib.checks.progress import progress, report
 from tutorial_lib.cli import main
 from tutorial_lib.errors import InputError
@@ -57,3 +57,12 @@ def test_the_command_lists_the_exercises_of_the_course(capsys):
     said = capsys.readouterr().out
     assert "01_world_and_car: 0 of" in said
     assert "- to_local" in said
+
+
+def test_predictions_are_counted_and_never_among_the_exercises(folder):
+    record.keep_prediction("01", "trip", "A", "B")
+    record.keep_prediction("01", "way", "C", "C")
+    text = report(progress(folder))
+    assert "01_one: 0 of 2" in text
+    assert "  predictions: 2 made, 1 right" in text
+    assert text.count("predictions") == 1

@@ -63,6 +63,8 @@ INSIDE = {
     "checks": {
         "framework": set(),
         "progress": {"framework"},
+        "predictions": {"framework"},
+        "league": {"framework"},
         "marking": {"framework"},
         "engine": {"framework"},
         **{notebook: {"framework", "engine"} for notebook in NOTEBOOKS},

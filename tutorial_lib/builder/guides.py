@@ -87,6 +87,9 @@ def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -
         questions = _questions(text)
         if questions:
             parts.append("### Questions and what to expect\n\n" + "\n".join(questions))
+        predictions = _predictions(source)
+        if predictions:
+            parts.append("### Predictions\n\n" + "\n".join(predictions))
         known = _known_mistakes(text, source)
         if known:
             parts.append("### Mistakes that the checks know\n\n" + "\n".join(known))
@@ -131,6 +134,28 @@ def _questions(text: str) -> list[str]:
         question, since = _line(asked[-1]) if asked else f"**{_line(found[1])}**", found.end()
         items.append(f"- {question}\n  *Answer:* {_line(found[2])}")
     return items
+
+
+def _predictions(source: Path) -> list[str]:
+    """The predictions that a notebook asks for by `Prediction`, with what is right and tempts."""
+    items = []
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "Prediction":
+            names = ("notebook", "name", "ask", "options")
+            given = dict(zip(names, node.args, strict=False))
+            given |= {keyword.arg: keyword.value for keyword in node.keywords}
+            options = ast.literal_eval(given["options"])
+            right, tempting = (ast.literal_eval(given[key]) for key in ("right", "tempting"))
+            listed = "; ".join(f"{letter}: {words}" for letter, words in options.items())
+            answer = f"{right}. {tempting} tempts: {_said(given['because'])}"
+            items.append(f"- {_said(given['ask'])} {listed}\n  *Answer:* {answer}")
+    return items
+
+
+def _said(node: ast.expr) -> str:
+    """The text of a string in a source; what is computed is left out."""
+    parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+    return "".join(part.value if isinstance(part, ast.Constant) else "…" for part in parts)
 
 
 def _known_mistakes(text: str, source: Path) -> list[str]:

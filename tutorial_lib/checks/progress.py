@@ -1,4 +1,4 @@
-"""Which exercises are done: those whose passed answer is saved in `my_answers`."""
+"""What is done: exercises whose passed answer is saved in `my_answers`, and predictions made."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from tutorial_lib.checks.framework import my_answers
+from tutorial_lib.checks.framework import my_answers, record
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_NOTEBOOK
@@ -47,7 +47,11 @@ def progress(notebooks: Path) -> list[Done]:
 
 
 def report(found: list[Done]) -> str:
-    """A table in words: for each notebook how many are done, and each exercise."""
+    """A table in words: for each notebook how many are done, each exercise, and predictions.
+
+    Raises:
+        InputError: when the file with the predictions is damaged.
+    """
     lines = []
     for notebook in dict.fromkeys(one.notebook for one in found):
         own = [one for one in found if one.notebook == notebook]
@@ -56,6 +60,10 @@ def report(found: list[Done]) -> str:
         lines += [
             f"  {'x' if one.passed else '-'} {one.name:22} {one.passed}".rstrip() for one in own
         ]
+        made = record.predictions(notebook[:2]).values()
+        if made:
+            right = sum(one.get("choice") == one.get("right") for one in made)
+            lines.append(f"  predictions: {len(made)} made, {right} right")
     done = sum(bool(one.passed) for one in found)
     return "\n".join([*lines, f"{done} of {len(found)} exercises are done"])
 

@@ -48,6 +48,15 @@ def test_floors_walls_and_pillars_are_where_they_belong():
         assert np.abs(seen - [k * 9, 255 - k * 9, 80]).max() < 3
 
 
+def test_a_plain_plan_is_pale_and_grey_and_leaves_the_plan_as_it_is():
+    view = PlanView(Scene(generate("apartment", 2)), 200, 260)
+    base = view.base.copy()
+    assert view.plain.shape == base.shape
+    assert (view.plain == view.plain[..., :1]).all()
+    assert view.plain.mean() > base.mean()
+    assert (view.base == base).all()
+
+
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_room_of_a_plan_shows_its_tint(family):
     scene = Scene(generate(family, 81))

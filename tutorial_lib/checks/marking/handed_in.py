@@ -9,13 +9,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tutorial_lib.checks.framework import record
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.limits import MAX_TEXT
 from tutorial_lib.reading.regular import read_bytes
 
 _ANSWERS = "my_answers"
 _FILE = re.compile(r"\d\d_\w+\.py")
-_OURS = ("older", "__pycache__")
+_OURS = ("older", "__pycache__", record.FILE)
 _DEEPEST = 4  # folders from a class's to a student's answers
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -25,6 +26,7 @@ from tutorial_lib.world.materials import PERIOD, TEXEL, TEXELS
 from tutorial_lib.world.scene import Scene
 
 _SHIFT = 4  # OpenCV draws with coordinates in 1/16 of a pixel
+_PLAIN = 0.45  # how much of the plan is left where it is plain
 _WALL_THICKNESS = 0.15  # metres drawn behind a wall's face
 
 
@@ -64,6 +66,12 @@ class PlanView:
         self._centre = np.array([width / 2, height / 2])
         self.size = (height, width)
         self.base = self._draw_scene(scene)
+
+    @cached_property
+    def plain(self) -> Picture:
+        """The plan (H, W, 3) in pale grey, for maps that are drawn on it."""
+        grey = cv2.cvtColor(cv2.cvtColor(self.base, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
+        return cv2.addWeighted(grey, _PLAIN, np.full_like(grey, 255), 1 - _PLAIN, 0)
 
     def pixels(self, points: ArrayLike) -> NDArray[np.float64]:
         """Columns and rows (..., 2) of points (..., 2) in metres.

@@ -94,7 +94,7 @@ class PressPanel(Shell):
         }
         for button in self.buttons.values():
             button.on_click(lambda button: self.press(button.description))
-        self._refresh()
+        self.refresh()
         super().__init__([self.picture, self.line, *self._rows()], still)
 
     def press(self, name: str) -> None:
@@ -105,15 +105,16 @@ class PressPanel(Shell):
         except Exception as error:  # a callback has no cell to print in, so the error would be lost
             self.line.value = _words(f"{type(error).__name__}: {error}", "b")
         else:
-            self._refresh()
+            self.refresh()
+
+    def refresh(self, *_: object) -> None:
+        """Show the controller's present picture and text."""
+        _put(self.picture, self.controller.render())
+        self.line.value = _words(self.controller.text)
 
     def _rows(self) -> list[ipywidgets.Widget]:
         """The buttons in rows."""
         return [ipywidgets.HBox([*self.buttons.values()])]
-
-    def _refresh(self, *_: object) -> None:
-        _put(self.picture, self.controller.render())
-        self.line.value = _words(self.controller.text)
 
 
 def presses(controller: Any) -> PressPanel:  # noqa: ANN401 - a protocol would be longer
@@ -140,7 +141,7 @@ class TeleopPanel(PressPanel):
     def __init__(self, controller: TeleopController, rehearsal: Sequence[str]) -> None:
         """Connect buttons to `controller`; `rehearsal` are the presses of the static strip."""
         self.hide_map = ipywidgets.ToggleButton(description="hide the map")
-        self.hide_map.observe(self._refresh, names="value")
+        self.hide_map.observe(self.refresh, names="value")
         names = (*ACTIONS, "start again")
         super().__init__(controller, names, lambda: controller.rehearse(rehearsal), "7.5em")
         self.keyboard = ipyevents.Event(
@@ -152,7 +153,7 @@ class TeleopPanel(PressPanel):
         """What happens when a button is pressed."""
         if name == "start again":
             self.controller.reset()
-            self._refresh()
+            self.refresh()
         else:
             super().press(name)
 
@@ -165,7 +166,8 @@ class TeleopPanel(PressPanel):
         if name:
             self.press(name)
 
-    def _refresh(self, *_: object) -> None:
+    def refresh(self, *_: object) -> None:
+        """Show the controller's present picture, perhaps without its map, and text."""
         _put(self.picture, self.controller.render(hide_map=self.hide_map.value))
         self.line.value = _words(self.controller.text)
 
@@ -294,4 +296,4 @@ def _put(image: ipywidgets.Image, picture: Picture) -> None:
 
 
 def _words(text: str, tag: str = "span") -> str:
-    return f'<{tag} style="font-size:1.1em">{html.escape(text)}</{tag}>'
+    return f'<{tag} style="font-size:1.1em;white-space:pre-line">{html.escape(text)}</{tag}>'
