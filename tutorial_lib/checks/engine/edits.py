@@ -6,6 +6,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable
+from functools import cache
 from itertools import groupby
 from typing import Any
 
@@ -53,7 +54,7 @@ def mistakes_of(rule: Function, text: str) -> dict[str, Function]:
 
 def edited(rule: Function, edits: list[tuple[str, str]]) -> Function:
     """The function whose source has each text replaced, which stands there exactly once."""
-    source = textwrap.dedent(inspect.getsource(rule))
+    source = _source(rule)
     for old, new in edits:
         if source.count(old) != 1:
             raise InputError(
@@ -63,3 +64,8 @@ def edited(rule: Function, edits: list[tuple[str, str]]) -> Function:
     names = dict(rule.__globals__)
     exec(compile(source, f"<{rule.__name__}, edited>", "exec"), names)
     return names[rule.__name__]
+
+
+@cache
+def _source(rule: Function) -> str:
+    return textwrap.dedent(inspect.getsource(rule))
