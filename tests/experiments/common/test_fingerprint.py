@@ -19,7 +19,8 @@ def library(folder, **changed):
     for name, text in FILES.items():
         path = folder / "house" / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(changed.get(path.stem, text))
+        key = "version" if name == "__init__.py" else path.stem
+        path.write_text(changed.get(key, text))
     return folder / "house"
 
 
@@ -51,6 +52,10 @@ def test_a_changed_number_changes_the_fingerprint_of_its_part_alone(tmp_path):
 )
 def test_words_change_no_fingerprint(tmp_path, text):
     assert prints(tmp_path) == prints(tmp_path, rays=text)
+
+
+def test_another_version_is_no_other_code(tmp_path):
+    assert prints(tmp_path) == prints(tmp_path, version="__version__ = '2'\n")
 
 
 def test_what_does_not_run_changes_no_fingerprint(tmp_path):

@@ -22,7 +22,7 @@ _DIGITS = 12  # of a fingerprint: as many as tell one version from another
 
 
 def code_of(module: str, library: Path = LIBRARY) -> dict[str, str]:
-    """Fingerprints of the code that a module runs, by part of the library.
+    """Fingerprints of the code that a module runs, by part of the library; its version is none.
 
     Args:
         module: whole name of a module of the library; what it imports, at its top or within, runs
@@ -31,8 +31,8 @@ def code_of(module: str, library: Path = LIBRARY) -> dict[str, str]:
     """
     parts: dict[str, list[str]] = defaultdict(list)
     for name, code in sorted(imported(module, library).items()):
-        part = [*name.split("."), "the package"][1]
-        parts[part].append(f"{name}\n{code}")
+        if name != library.name:
+            parts[name.split(".")[1]].append(f"{name}\n{code}")
     return {part: _fingerprint("\n".join(codes)) for part, codes in sorted(parts.items())}
 
 

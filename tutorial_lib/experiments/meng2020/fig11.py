@@ -99,6 +99,5 @@ EXPERIMENT = Experiment(
     run,
     WORLDS[:1],
     settings=Settings(),
-    canary=Settings(places=5, trials=4),
     accepts=frozenset({"odometry"}),
 )
