@@ -32,6 +32,7 @@ WITHOUT_CANARY = {
     "ablation_rows",
     "ltvn_change",
     "meng_fig4",
+    "meng_fig11",
 }
 """They train networks, look for a door that closes, or take hardly longer than a canary."""
 
