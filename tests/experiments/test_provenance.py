@@ -16,6 +16,7 @@ from tutorial_lib.experiments.provenance import (
     MODULE,
     NETWORK,
     NETWORKS,
+    PROCESSOR,
     UNKNOWN,
     changed_rows,
     made_from,
@@ -23,6 +24,7 @@ from tutorial_lib.experiments.provenance import (
 )
 from tutorial_lib.experiments.results_page.section import mark_of
 from tutorial_lib.experiments.results_page.sources import COMMANDS, EXPERIMENTS, load_results
+from tutorial_lib.learning.threads import processor
 
 ROWS = [{"method": "meng", "success": 0.5}, {"method": "sptm", "success": None}]
 MODULE_NAME = "tutorial_lib.experiments.meng2020.fig6"
@@ -46,6 +48,7 @@ def report():
         NETWORKS: {"waypoint_k2": provenance.fingerprint_of(card)},
         CODE: provenance.code_of(MODULE_NAME),
         CANARY: ROWS,
+        PROCESSOR: processor(),
     }
     return Report("meng_fig6", 0, (20_000,), False, 36.0, ROWS, made_from=origin)
 
@@ -127,19 +130,30 @@ def test_a_changed_canary_asks_for_a_new_measurement(report, one_result, monkeyp
     assert not one_result
 
 
+def test_a_canary_of_another_processor_tells_nothing(one_result, capsys, monkeypatch):
+    monkeypatch.setattr(provenance, "processor", lambda: "another")
+    assert results.check_results() != 0
+    assert "its canary is of another kind of processor" in capsys.readouterr().out
+
+
 def test_the_canary_counts_the_networks_of_its_own_run():
-    found = made_from("meng_fig6", Options())
-    assert set(found) == {MODULE, NETWORKS, CODE, CANARY}
-    assert found[MODULE] == MODULE_NAME
-    assert "reach_k5" in found[NETWORKS]
-    assert not changed_rows(found[CANARY], load_results().reports["meng_fig6"].made_from[CANARY])
+    found = made_from("meng_fig5", Options())
+    stored = load_results().reports["meng_fig5"].made_from
+    assert set(found) == {MODULE, NETWORKS, CODE, CANARY, PROCESSOR} == set(stored)
+    assert found[NETWORKS] == stored[NETWORKS]
+    assert {"reach_k2", "reach_k5", "reach_laser"} <= set(found[NETWORKS])
+    if stored[PROCESSOR] == found[PROCESSOR]:
+        assert changed_rows(stored[CANARY], found[CANARY]) == ""
 
 
-def test_every_stored_result_says_what_it_was_made_from():
+def test_what_a_stored_result_says_of_its_origin_is_whole():
     stored = load_results().reports
-    assert {name for name in EXPERIMENTS if not stored[name].made_from} == set()
-    without = {name for name in EXPERIMENTS if not stored[name].made_from[CANARY]}
-    assert without == WITHOUT_CANARY & set(EXPERIMENTS)
+    origins = {name: stored[name].made_from for name in EXPERIMENTS if stored[name].made_from}
+    assert len(origins) > 20
+    for name, origin in origins.items():
+        assert origin[MODULE].startswith("tutorial_lib.experiments."), name
+        assert origin[CODE]["world"], name
+        assert bool(origin[CANARY]) != (name in WITHOUT_CANARY), name
 
 
 # The plan of measuring again.

@@ -11,6 +11,7 @@ from nbformat.v4 import new_notebook
 from tests.project.printed import differences, printed
 from tests.project.unsolved import both
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
+from tutorial_lib.learning.threads import processor
 
 PROJECT = Path(__file__).parents[2]
 SOURCES = sorted(PROJECT.glob("solutions/*.py"))
@@ -68,7 +69,8 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
 def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
     """In one kernel, which imports the library and runs what both have in common once.
 
-    What the solved one prints is what is stored, and so what its text speaks of.
+    What the solved one prints is what is stored, and so what its text speaks of; on another kind of
+    processor some robots drive otherwise, since the last digits of what networks predict differ.
     """
     notebook = solved(source)
     students = for_students(notebook)
@@ -81,6 +83,8 @@ def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
         assert re.findall(r"^(\w+): (?:passed|failed|not attempted)", said, re.MULTILINE) == names
         assert said.count(f": {expected}.") == len(names)
     stored = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    if stored.metadata.processor != processor():
+        return
     for before, now in zip(stored.cells, (run.cells[i] for i in first), strict=True):
         assert not differences(printed(before), printed(now)), before.source
 

@@ -25,6 +25,7 @@ from tutorial_lib.builder.standard import check_standard
 from tutorial_lib.checks.framework import my_answers
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
+from tutorial_lib.learning.threads import processor
 from tutorial_lib.viz.notebook.display import STATIC
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
@@ -145,7 +146,7 @@ def unmarked(code: str) -> str:
 
 
 def execute(notebook: NotebookNode, folder: Path) -> None:
-    """Run every cell in `folder` and keep the outputs.
+    """Run every cell in `folder`, and keep the outputs and on what kind of processor they came.
 
     Raises:
         InputError: when a cell raises.
@@ -168,6 +169,7 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
             cell.outputs = [output for output in cell.outputs if not is_bar(output)]
     notebook.metadata.pop("widgets", None)
     notebook.metadata.language_info = {"name": "python"}
+    notebook.metadata.processor = processor()
 
 
 def is_bar(output: NotebookNode) -> bool:

@@ -18,9 +18,11 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.fingerprint import code_of
 from tutorial_lib.experiments.common.report import Options, Report, Rows, finite
 from tutorial_lib.experiments.registry import EXPERIMENTS
+from tutorial_lib.learning.threads import processor
 from tutorial_lib.learning.weights import LOADED, fingerprint_of, load_card
 
-MODULE, CODE, NETWORKS, CANARY = "module", "code", "networks", "canary"
+MODULE, CODE, NETWORKS = "module", "code", "networks"
+CANARY, PROCESSOR = "canary", "processor"
 """What a report's `made_from` holds."""
 FITS, UNKNOWN, NETWORK, CHANGED = "fits", "unknown", "network", "code"
 """How a result stands to the library of today."""
@@ -91,6 +93,7 @@ def _made_from_here(name: str, options: Options) -> dict[str, Any]:
     module = getattr(run, "func", run).__module__  # of a partial, too
     return {
         MODULE: module,
+        PROCESSOR: processor(),
         NETWORKS: dict(LOADED),
         CODE: code_of(module),
         CANARY: json.loads(json.dumps(rows)),  # as they are read again
@@ -108,10 +111,13 @@ def checked(report: Report, name: str, options: Options) -> tuple[Report, str]:
     Returns:
         The report, with the fingerprints of today if its numbers are the same, and what differs.
     """
+    then = report.made_from
+    if then[PROCESSOR] != processor():
+        return report, f"its canary is of another kind of processor, {then[PROCESSOR]}"
     now = made_from(name, options)
     if not now[CANARY]:
         return report, "it has no canary that could tell whether its numbers changed"
-    different = changed_rows(report.made_from[CANARY], now[CANARY])
+    different = changed_rows(then[CANARY], now[CANARY])
     return (report if different else replace(report, made_from=now)), different
 
 

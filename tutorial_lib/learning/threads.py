@@ -55,3 +55,11 @@ def _told_mkl() -> int:
     except (OSError, AttributeError):
         return 0
     return told
+
+
+def processor() -> str:
+    """The kind of processor that torch computes for, as AVX2 or AVX512.
+
+    From one kind to another the last digits of a network's outputs differ.
+    """
+    return torch.backends.cpu.get_cpu_capability()
