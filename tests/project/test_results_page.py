@@ -21,7 +21,12 @@ from tutorial_lib.experiments.results_page.page import (
     with_block,
     write_results,
 )
-from tutorial_lib.experiments.results_page.sources import COMMANDS, command_of, load_results
+from tutorial_lib.experiments.results_page.sources import (
+    COMMANDS,
+    RETIRED,
+    command_of,
+    load_results,
+)
 
 HERE = Path(__file__).parents[2]
 PAGE = HERE / "tutorial_lib" / "results" / "README.md"
@@ -130,7 +135,7 @@ def test_the_command_writes_both_and_says_so(tmp_path, monkeypatch, capsys):
 
 
 def test_without_a_readme_the_page_alone_is_written(tmp_path):
-    for name in COMMANDS:
+    for name in (*COMMANDS, *RETIRED):
         (tmp_path / f"{name}.json").write_bytes((PAGE.parent / f"{name}.json").read_bytes())
     page = tmp_path / "new" / "README.md"
     assert write_results(tmp_path / "other.md", page, tmp_path) == [page]
