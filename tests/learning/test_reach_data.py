@@ -249,7 +249,7 @@ def test_each_network_learns_from_the_pairs_of_its_own_controller():
 def test_worlds_are_used_for_one_thing_only():
     taught = range(reach_recipes.FIRST_WORLD, reach_recipes.FIRST_WORLD + reach_recipes.WORLDS)
     control = range(max(recipe.worlds for recipe in recipes.WAYPOINT.values()))
-    parts = [control, taught, geometry_bound.WORLDS, calibration_audit.WORLDS]
+    parts = [control, taught, geometry_bound.FITTED, calibration_audit.WORLDS]
     unseen = [reach_recipes.STOPPING, reach_recipes.CALIBRATING]
     every = [seed for part in (*parts, *unseen) for seed in part]
     assert len(set(every)) == len(every)
