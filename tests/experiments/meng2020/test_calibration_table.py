@@ -156,11 +156,10 @@ def test_geometry_gets_where_the_target_is_what_is_seen_of_it_and_how_tight_it_i
 def test_geometry_foretells_what_depends_on_geometry(recorded, monkeypatch):
     learnt = [made_up(recorded, 60, seed) for seed in range(2)]
     learnt = [replace(o, reached=o.pairs.geodesic < 2.0) for o in learnt]
-    monkeypatch.setattr(geometry_bound, "WORLDS", (200, 201))
     monkeypatch.setattr(geometry_bound, "record_outcomes", lambda *arguments: [0, 1])
     monkeypatch.setattr(geometry_bound, "load_outcomes", lambda file, recipe: learnt[file])
     monkeypatch.setattr(geometry_bound, "recorded_worlds_of", lambda *arguments: [recorded] * 2)
-    model = geometry_bound.fitted("k2")
+    model = geometry_bound.fitted("k2", (200, 201))
     others = made_up(recorded, 40, 7).pairs
     others = others.subset(others.seen)
     predicted = model.predict_proba(geometry_bound.features(recorded, others))[:, 1]
@@ -369,7 +368,7 @@ def test_the_experiment_has_a_row_for_every_estimator(monkeypatch, quick):
         assert set(bounds) == set(fitted)
         return {name: part(world % 7) for name in names}
 
-    monkeypatch.setattr(calibration, "fitted", fitted.append)
+    monkeypatch.setattr(calibration, "fitted", lambda name, seeds: fitted.append(name))
     monkeypatch.setattr(calibration, "examine", examine)
     with joblib.parallel_config(backend="sequential"):
         report = calibration.EXPERIMENT.report(
@@ -387,7 +386,7 @@ def test_the_experiment_has_a_row_for_every_estimator(monkeypatch, quick):
 @needs("reach_k2", "reach_k5", "sptm")
 def test_the_experiment_runs_on_a_validation_world(monkeypatch):
     model = SimpleNamespace(predict_proba=lambda x: np.column_stack([1 - x[:, 8], x[:, 8]]))
-    monkeypatch.setattr(calibration, "fitted", lambda controller: model)
+    monkeypatch.setattr(calibration, "fitted", lambda controller, seeds: model)
     monkeypatch.setattr(reachability, "_CARS", 6)
     small = Sizes(targets=10, far=60, anchors=12, edges=2, consecutive=2)
     few = replace(calibration.QUICK, sizes=small)
