@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from tutorial_lib.cli import parse
 from tutorial_lib.commands import reproduce, results
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments import provenance
@@ -195,3 +196,19 @@ def test_a_plan_that_fails_goes_on_where_it_was(monkeypatch, tmp_path, capsys):
     assert ran == ["experiment", "results", "results", "build"]
     assert "3 commands, 0.0 h" in capsys.readouterr().out
     assert not list(tmp_path.rglob("*.json"))
+
+
+def test_workers_of_a_scheduler_get_all_but_what_measures_this_machine(monkeypatch, tmp_path):
+    monkeypatch.setenv("TUTORIAL_CACHE", str(tmp_path))
+    ran = []
+    monkeypatch.setattr(reproduce.subprocess, "call", lambda command, **_: ran.append(command[3:]))
+    steps = [
+        reproduce.Step(arguments)
+        for arguments in ("train waypoint --k 2", "experiment plans", "bench fleet", "build")
+    ]
+    monkeypatch.setattr(reproduce, "planned", lambda *_, **__: steps)
+    options = parse(["reproduce", "--scheduler", "tcp://a:1"])
+    assert reproduce.run(options) == 0
+    assert [command[-1] == "tcp://a:1" for command in ran] == [True, True, False, False]
+    for command in ran[:3]:
+        assert parse(command).scheduler == ("" if command[0] == "bench" else "tcp://a:1")

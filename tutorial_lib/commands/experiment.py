@@ -53,6 +53,7 @@ ABLATIONS = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the experiments and their options."""
     add_common(parser, EXPERIMENTS)
+    add_scheduler(parser)
     add_map(parser)
     runs = "; ".join(f"{name}: {words}" for name, words in ABLATIONS.items())
     parser.add_argument(
@@ -127,12 +128,11 @@ def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) ->
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all else")
     parser.add_argument("--quick", action="store_true", help="fewer episodes, same code")
-    add_scheduler(parser)
-    parser.set_defaults(table=table)
+    parser.set_defaults(table=table, scheduler="")
 
 
 def add_scheduler(parser: argparse.ArgumentParser) -> None:
-    """Declare where the work is done."""
+    """Declare where the work is done; a benchmark measures this machine alone."""
     parser.add_argument(
         "--scheduler", default="", metavar="tcp://HOST:PORT", help="of Dask, whose workers do it"
     )

@@ -18,11 +18,14 @@ from tutorial_lib.experiments.results_page.sources import COMMANDS, load_results
 from tutorial_lib.files import make_folder, write_text
 from tutorial_lib.learning.weights import FOLDER as WEIGHTS
 from tutorial_lib.learning.weights import load_card
+from tutorial_lib.reading.documents import read_json
 
 NETWORKS = ("waypoint", "reachability", "relative", "nts", "il", "ans_like")
 """In this order they are trained: those that come later start from those before, or drive them."""
 LAST = ("results", "build")
 """Commands that write the page, and run the notebooks that show results."""
+SHARED = ("train", "experiment")
+"""Commands whose work a scheduler's workers may do."""
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,10 @@ def run(options: argparse.Namespace) -> int:
     done = _Done(steps)
     for step in steps:
         if step.arguments not in done.arguments:
-            command = [sys.executable, "-m", "tutorial_lib", *step.arguments.split()]
-            if options.scheduler and step.arguments not in LAST:
-                command += ["--scheduler", options.scheduler]
-            code = subprocess.call(command, cwd=PROJECT)
+            arguments = step.arguments.split()
+            if options.scheduler and arguments[0] in SHARED:
+                arguments += ["--scheduler", options.scheduler]
+            code = subprocess.call([sys.executable, "-m", "tutorial_lib", *arguments], cwd=PROJECT)
             if code:
                 raise InputError(f"{step.arguments}: failed; the same command goes on from there")
             done.add(step.arguments)
@@ -112,9 +115,9 @@ class _Done:
         plan = [step.arguments for step in steps]
         self._path = cache_folder() / "unfinished" / "reproduce.json"
         self.arguments: list[str] = []
-        if self._path.is_file():
-            kept = json.loads(self._path.read_text(encoding="utf-8"))
-            self.arguments = kept["done"] if kept["plan"] == plan else []
+        kept = read_json(self._path, "delete it") if self._path.is_file() else {}
+        if isinstance(kept, dict) and kept.get("plan") == plan:
+            self.arguments = kept.get("done", [])
         self._plan = plan
 
     def add(self, arguments: str) -> None:

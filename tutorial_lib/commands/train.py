@@ -37,13 +37,15 @@ EXPLORATION = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the network's name, with k or the sensor."""
     names = parser.add_subparsers(dest="name", required=True)
-    add_scheduler(parser)
     choices = dict.fromkeys(k for known in NETWORKS.values() for k in known)
     for name in NETWORKS:
-        names.add_parser(name).add_argument("--k", choices=tuple(choices), required=True)
+        command = names.add_parser(name)
+        command.add_argument("--k", choices=tuple(choices), required=True)
+        add_scheduler(command)
     for name, words in EXPLORATION.items():
         command = names.add_parser(name, help=words)
         command.add_argument("--sensor", choices=SENSORS, required=True)
+        add_scheduler(command)
         if name == "nts":
             kinds = command.add_mutually_exclusive_group()
             for kind, meaning in exploration_recipes.KINDS.items():

@@ -19,8 +19,8 @@ PATIENCE = 10.0
 def on_cluster(address: str) -> Iterator[None]:
     """Let the workers of a scheduler do what `for_each` gives out in this block.
 
-    The rows are the same as on one machine: what is random depends on the piece of work alone. What
-    all pieces have in common is sent once, and the pieces of a worker that dies go to others.
+    The rows are the same as on one machine: what is random depends on the piece of work alone. The
+    pieces of a worker that dies go to others.
 
     Args:
         address: of the scheduler, as tcp://HOST:PORT; this machine does the work if it is empty.

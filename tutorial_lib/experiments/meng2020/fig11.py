@@ -95,9 +95,5 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 
 EXPERIMENT = Experiment(
-    "meng_fig11",
-    run,
-    WORLDS[:1],
-    settings=Settings(),
-    accepts=frozenset({"odometry"}),
+    "meng_fig11", run, WORLDS[:1], settings=Settings(), accepts=frozenset({"odometry"})
 )
