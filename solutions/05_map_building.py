@@ -314,7 +314,7 @@ for own, trajectory in zip(home.trajectories, flat.recorded.trajectories, strict
     view.polyline(picture, trajectory.poses[:, :2], GREY, 1)
     for vertex in own:
         view.arrow(picture, home.poses[vertex], colours.FAINT, 4)
-show(stacked([picture], ["Twelve drives, and the images worth keeping"]))
+show(stacked([picture], ["Twelve drives, and their anchors"]))
 
 
 # %% hidden=true
@@ -920,7 +920,8 @@ swap = Prediction(
     "Now your insert reuses vertices, too. How many wormholes will there be?",
     {"A": "more", "B": "as many", "C": "fewer"},
     right="A",
-    robot=f"it has {holes_after.sum()} now; {driven_holes} of them count as driven.",
+    robot=f"it had {holes_before.sum()} and has {holes_after.sum()} now; {driven_holes} of them count "
+    "as driven.",
     tempting="C",
     because="a smaller map should have fewer of everything. But the rule of reuse asks for two "
     "single values of RE, and no sequence.",
