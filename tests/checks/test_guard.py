@@ -50,6 +50,19 @@ def test_a_function_that_never_ends_is_ended(student):
     assert time.monotonic() - begun < 10
 
 
+def test_a_kernel_is_compiled_to_its_end():
+    kernels = {"__name__": "numba.some.module", "time": time, "ends": time.monotonic() + 1.2}
+    exec("def compiled(x):\n    while time.monotonic() < ends: pass\n    return x", kernels)
+    compiled = []
+
+    def slow_once(x):
+        compiled.append(kernels["compiled"](x))
+        endless(x)
+
+    assert "0.3 seconds" in check_identity(slow_once).message
+    assert compiled == [2.0]
+
+
 def test_also_where_signals_do_not_reach():
     results = []
     thread = threading.Thread(target=lambda: results.append(check_identity(endless)))

@@ -22,6 +22,8 @@ WAITING = 9.0
 """Seconds by the clock: a function that sleeps takes none of the processor's time."""
 MEMORY = 1.5e9
 """Bytes that a check may take."""
+COMPILERS = ("llvmlite", "numba")
+"""Packages that no error may interrupt; the next ring, `_AGAIN` later, finds them done."""
 PRINTED = 5_000
 """Characters that are shown of what a function prints."""
 _AGAIN = 0.2  # seconds until a function that caught the error gets the next one
@@ -58,6 +60,8 @@ def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
 
     def ring(number: int, frame: FrameType | None) -> None:
         nonlocal rung
+        if _compiles(frame):
+            return
         if rung:  # the function caught the first error: now its next line raises one
             own = list(_frames_of(file, frame))
             if not own:  # it did not: the first one is on its way
@@ -88,6 +92,15 @@ def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
         for (_, number, _), handler in zip(timers, before, strict=True):
             signal.signal(number, handler)
         sys.settrace(tracing)
+
+
+def _compiles(frame: FrameType | None) -> bool:
+    """Whether a kernel is compiled or loaded just now: stopped half-way it would end Python."""
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").partition(".")[0] in COMPILERS:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _frames_of(file: str | None, frame: FrameType | None) -> Iterator[FrameType]:
