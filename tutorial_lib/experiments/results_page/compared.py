@@ -8,7 +8,7 @@ from tutorial_lib.experiments.results_page.departures_ltvn import LTVN
 from tutorial_lib.experiments.results_page.departures_meng import MENG
 from tutorial_lib.experiments.results_page.departures_nts import NTS
 from tutorial_lib.experiments.results_page.markdown import table
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results
 
 TITLE = "Papers and course"

@@ -79,7 +79,7 @@ def _sparse(results: Results) -> list[list[str]]:
         f"{row['anchors']:,} and {row['with_clearance']:+.2f} ({CONTEXTS[row['context']]})"
         for row in results.rows("meng_fig5")
     ]
-    (note,) = results.reports["meng_fig6"].notes
+    note = results.note("meng_fig6")
     return [
         [
             link("Fig. 4: pruning and reuse", "Fig. 4"),
@@ -222,7 +222,7 @@ def _planned(results: Results) -> list[list[str]]:
 
 
 def _composed(results: Results) -> list[list[str]]:
-    (note,) = results.reports["meng_fig11"].notes
+    note = results.note("meng_fig11")
     remedies = {row["remedy"]: percent(row["success"]) for row in results.rows("meng_fig12")}
     growth = results.reports["meng_fig13"].notes[0]
     return [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
 from tutorial_lib.experiments.results_page.markdown import listed, number, percent, table
 from tutorial_lib.experiments.results_page.navigation import METHODS, thresholds
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import (
     DRIVES,
     HARDER,

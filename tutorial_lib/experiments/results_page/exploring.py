@@ -18,7 +18,7 @@ from tutorial_lib.experiments.results_page.markdown import (
     table,
     with_best_bold,
 )
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, matching, one
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.learning.exploration_training import WITHIN

@@ -17,7 +17,7 @@ from tutorial_lib.experiments.results_page.markdown import (
     span,
     table,
 )
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, matching, one
 from tutorial_lib.experiments.robustness import disturbances
 from tutorial_lib.experiments.robustness.disturbances import SOON
@@ -197,7 +197,7 @@ def _placement_section(results: Results) -> list[str]:
 
 
 def _one_rollout_section(results: Results) -> list[str]:
-    (note,) = results.reports["meng_fig6"].notes
+    note = results.note("meng_fig6")
     return [
         "One long trajectory, followed by its anchors (Fig. 6 of Meng 2020; an example, not a "
         "measurement), at places spread over the rollout.",

@@ -6,7 +6,7 @@ from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.ltvn.model import APART, FAR, FAR_RATE
 from tutorial_lib.experiments.ltvn.spurious import TRIED
 from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, matching, one
 
 FAMILIES = {"others": "apartments and offices", "loop_corridor": "loop corridors"}

@@ -17,7 +17,7 @@ from tutorial_lib.experiments.results_page.markdown import (
     table,
     with_best_bold,
 )
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, goal_words, matching, one
 
 STAGES = {
@@ -183,7 +183,7 @@ def _fewer_section(results: Results) -> list[str]:
 
 def _composed_section(results: Results) -> list[str]:
     rows = results.rows("meng_fig11")
-    (note,) = results.reports["meng_fig11"].notes
+    note = results.note("meng_fig11")
     parts = composed_of(rows)
     return [
         f"A path that was never recorded (Fig. 11 of Meng 2020; an example, chosen because it "

@@ -20,7 +20,7 @@ from tutorial_lib.experiments.results_page.markdown import (
     table,
     with_best_bold,
 )
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import (
     MAPS,
     Results,

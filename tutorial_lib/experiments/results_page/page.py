@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -11,7 +12,6 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
-    ablations,
     aliasing,
     compared,
     composing,
@@ -28,7 +28,8 @@ from tutorial_lib.experiments.results_page import (
     worlds,
 )
 from tutorial_lib.experiments.results_page.markdown import link
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
+from tutorial_lib.experiments.results_page.templates import render_chapter
 from tutorial_lib.experiments.results_page.sources import Results, load_results
 from tutorial_lib.experiments.results_page.summary import results_in_short
 from tutorial_lib.files import make_folder, write_text
@@ -55,7 +56,7 @@ class Chapter:
 
 
 CHAPTERS = (
-    Chapter("Local control", (*local_control.SECTIONS, *ablations.SECTIONS)),
+    local_control,
     Chapter("Reachability", reachability.SECTIONS),
     Chapter("Following a trajectory", following.SECTIONS),
     Chapter("Maps", maps.SECTIONS),
@@ -72,10 +73,15 @@ CHAPTERS = (
 
 def page_of(results: Results) -> str:
     """The page in Markdown."""
-    parts = [introduction(results), contents()]
+    parts = [introduction(results)]
     for chapter in CHAPTERS:
+        if not isinstance(chapter, Chapter):
+            parts.append(render_chapter(results, chapter)[0])
+            continue
         parts.append(f"## {chapter.title}")
         parts += [section.text(results) for section in chapter.sections]
+    chapters = "\n\n".join(parts[1:])
+    parts.insert(1, contents(chapters))
     return "\n\n".join(parts) + "\n"
 
 
@@ -119,13 +125,10 @@ def introduction(results: Results) -> str:
     )
 
 
-def contents() -> str:
-    """The table of contents."""
-    lines = []
-    for chapter in CHAPTERS:
-        lines.append(f"- {link(chapter.title)}")
-        lines += [f"  - {link(section.title)}" for section in chapter.sections]
-    return "\n".join(lines)
+def contents(chapters: str) -> str:
+    """The table of contents: links to all headings of the chapters."""
+    headings = re.findall(r"^##(#?) (.*)$", chapters, re.MULTILINE)
+    return "\n".join(f"{'  ' if deeper else ''}- {link(title)}" for deeper, title in headings)
 
 
 def block_of(results: Results) -> str:

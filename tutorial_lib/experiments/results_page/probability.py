@@ -7,7 +7,7 @@ import math
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.navigation_tasks import ANYWHERE_PERTURBATION
 from tutorial_lib.experiments.results_page.markdown import counted, interval, percent, table
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, goal_words, matching, one
 from tutorial_lib.experiments.robustness.faults import DETOUR
 from tutorial_lib.topology.planner import DijkstraPlanner

@@ -8,7 +8,7 @@ from tutorial_lib.experiments.nts.second_visit import Settings
 from tutorial_lib.experiments.protocols.visits import MISSED, PASSED
 from tutorial_lib.experiments.results_page.exploring import AGENTS, gap_of, spl_gap
 from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, one
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.world.generators import SIGNS

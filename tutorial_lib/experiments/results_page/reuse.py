@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import counted, number, percent, table
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, goal_words, one
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 

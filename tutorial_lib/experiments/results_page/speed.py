@@ -5,7 +5,7 @@ from __future__ import annotations
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.exploring import AGENTS
 from tutorial_lib.experiments.results_page.markdown import number, percent, table, with_best_bold
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, matching, one
 
 RAYS = {
@@ -87,7 +87,7 @@ def _loop_section(results: Results) -> list[str]:
 
 
 def _query_section(results: Results) -> list[str]:
-    (note,) = results.reports["reachability"].notes
+    note = results.note("reachability")
     row = one(results.rows("reachability"), what="cached")
     return [
         f"Rollouts for the labels of RE, and queries of RE ({note}).",
@@ -111,7 +111,7 @@ def _ray_section(results: Results) -> list[str]:
 
 
 def _fleet_section(results: Results) -> list[str]:
-    (note,) = results.reports["fleet"].notes
+    note = results.note("fleet")
     return [
         "Cars of a fleet do not collide with each other, so they share one pymunk space.",
         fleets(results.rows("fleet")),

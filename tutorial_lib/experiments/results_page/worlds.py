@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import counted, interval, points, table
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.old_section import Section
 from tutorial_lib.experiments.results_page.sources import Results, matching, one
 from tutorial_lib.experiments.robustness.plans import Settings
 from tutorial_lib.learning.exploration_training import WITHIN
