@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.results_page.markdown import Row, percent, table
+from tutorial_lib.experiments.results_page.markdown import percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Best,
     by,
@@ -16,6 +16,7 @@ from tutorial_lib.experiments.results_page.tables import (
     pivot,
     success,
     transposed,
+    without,
 )
 
 CONTROLLERS = {
@@ -57,12 +58,7 @@ VARIANTS = {
 }
 
 
-def judged(key: str) -> Callable[[Row], float | None]:
-    """By what a column compares controllers; bounds take no part."""
-    return lambda row: None if row["controller"] in BOUNDS else row[key]
-
-
-BEST_SUCCESS = Best(success, judged("success"))
+BEST_SUCCESS = Best(success, without(BOUNDS, "controller", "success"))
 
 
 def table_1(rows: Rows) -> str:
@@ -79,7 +75,10 @@ def breakdown(rows: Rows) -> str:
     return listing(
         named(rows, "controller", CONTROLLERS, condition="clean"),
         ("controller, clean", "{name}"),
-        *((words, Best(f"{{{key}:.1%}}", judged(key))) for key, words in BREAKDOWN.items()),
+        *(
+            (words, Best(f"{{{key}:.1%}}", without(BOUNDS, "controller", key)))
+            for key, words in BREAKDOWN.items()
+        ),
         ("collided", "{collided:.1%}"),
     )
 

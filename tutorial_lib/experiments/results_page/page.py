@@ -29,9 +29,9 @@ from tutorial_lib.experiments.results_page import (
 )
 from tutorial_lib.experiments.results_page.markdown import link
 from tutorial_lib.experiments.results_page.old_section import Section
-from tutorial_lib.experiments.results_page.templates import render_chapter
 from tutorial_lib.experiments.results_page.sources import Results, load_results
 from tutorial_lib.experiments.results_page.summary import results_in_short
+from tutorial_lib.experiments.results_page.templates import render_chapter
 from tutorial_lib.files import make_folder, write_text
 from tutorial_lib.world.worlds import TRAINING_SEEDS
 
@@ -57,7 +57,7 @@ class Chapter:
 
 CHAPTERS = (
     local_control,
-    Chapter("Reachability", reachability.SECTIONS),
+    reachability,
     Chapter("Following a trajectory", following.SECTIONS),
     Chapter("Maps", maps.SECTIONS),
     Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
