@@ -58,7 +58,7 @@ class Chapter:
 CHAPTERS = (
     local_control,
     reachability,
-    Chapter("Following a trajectory", following.SECTIONS),
+    following,
     Chapter("Maps", maps.SECTIONS),
     Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
     Chapter("Probability and faults", probability.SECTIONS),
