@@ -84,4 +84,4 @@ def test_the_paper_s_numbers_are_those_of_its_table():
     found = cells(papers_table())
     first = ["460 m²", "30,342", "86.9%", "974 / 1,482", "48.1%", "1,648 / 3,201"]
     assert found[1] == first
-    assert len(found) == 1 + len(paper.AREAS) == 6
+    assert len(found) == 1 + len(paper.TABLE_2) == 6

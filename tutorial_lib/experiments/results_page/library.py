@@ -5,17 +5,32 @@ from __future__ import annotations
 from typing import Any
 
 from tutorial_lib.driving import metrics
-from tutorial_lib.driving.data import reachability_pairs, recorded_world
-from tutorial_lib.experiments.protocols import local_control, reachability
+from tutorial_lib.driving.data import perturbation, reachability_pairs, recorded_world
+from tutorial_lib.experiments.meng2020 import fig4
+from tutorial_lib.experiments.protocols import (
+    local_control,
+    navigation,
+    navigation_tasks,
+    reachability,
+)
 from tutorial_lib.experiments.robustness import disturbances
+from tutorial_lib.topology import planner
 from tutorial_lib.topology.following import transitions as follower
+from tutorial_lib.topology.mapping import edge_rules, turn_edges
 
 LIBRARY: dict[str, Any] = {
     "disturbances": disturbances,
+    "edge_rules": edge_rules,
+    "fig4": fig4,
     "follower": follower,
     "local_control": local_control,
     "metrics": metrics,
+    "navigation": navigation,
+    "navigation_tasks": navigation_tasks,
+    "perturbation": perturbation,
+    "planner": planner,
     "reachability": reachability,
     "reachability_pairs": reachability_pairs,
     "recorded_world": recorded_world,
+    "turn_edges": turn_edges,
 }

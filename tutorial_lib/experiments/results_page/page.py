@@ -14,7 +14,6 @@ from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
     aliasing,
     compared,
-    composing,
     exploring,
     following,
     lifelong,
@@ -59,8 +58,8 @@ CHAPTERS = (
     local_control,
     reachability,
     following,
-    Chapter("Maps", maps.SECTIONS),
-    Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
+    maps,
+    navigation,
     Chapter("Probability and faults", probability.SECTIONS),
     Chapter("Places that look alike", aliasing.SECTIONS),
     Chapter("Maps that mend themselves", lifelong.SECTIONS),

@@ -78,7 +78,7 @@ def cover_rate(rows: Rows) -> list[str]:
         f"{percent(ours['cover_rate'])} at {number(ours['sparsity'])}",
         f"every {sptm['threshold']}th frame {percent(sptm['cover_rate'])} at "
         f"{number(sptm['sparsity'])}",
-        f"over {percent(paper.COVERED[True], 0)}",
+        f"over {percent(paper.COVERED['context'], 0)}",
     ]
 
 
@@ -91,7 +91,7 @@ def navigation(rows: Rows, worlds: int) -> list[str]:
         f"navigation to an image, {worlds} buildings: Meng",
         here["meng"],
         f"SPTM {here['sptm']}, random {here['random']}, oracle {here['oracle']}",
-        f"{span(paper.SUCCESS['meng'])}, SPTM {span(paper.SUCCESS['sptm'])}",
+        f"{span([row['meng_success'] for row in paper.TABLE_2])}, SPTM {span([row['sptm_success'] for row in paper.TABLE_2])}",
     ]
 
 

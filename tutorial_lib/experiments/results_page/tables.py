@@ -7,7 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.results_page.markdown import Row, interval, table, with_best_bold
+from tutorial_lib.experiments.results_page.markdown import (
+    Row,
+    counted,
+    interval,
+    table,
+    with_best_bold,
+)
 
 Text = str | Callable[[Any], str]
 """What a cell says of a row: a format of its columns, as in "{edges:,} edges", or a function."""
@@ -91,6 +97,11 @@ def success(row: Row) -> str:
     return interval(row, "success")
 
 
+def success_count(row: Row) -> str:
+    """The share of trials that succeeded, with their count."""
+    return counted(row["success"], row["trials"])
+
+
 def success_and_spl(row: Row) -> str:
     """The share that succeeded, and SPL.
 
@@ -110,9 +121,13 @@ def listing(rows: Iterable[Row], *columns: tuple[str, Text | Best]) -> str:
     | 3 | **50%** |
     | 4 | 25% |
     """
+    return table([head for head, _ in columns], lines_of(rows, *columns))
+
+
+def lines_of(rows: Iterable[Row], *columns: tuple[str, Text | Best]) -> list[list[str]]:
+    """The lines of a listing, without its head."""
     rows = list(rows)
-    cells = [_cells(rows, spec) for _, spec in columns]
-    return table([head for head, _ in columns], transposed(cells))
+    return transposed([_cells(rows, spec) for _, spec in columns])
 
 
 def pivot(rows: Rows, lines: Sequence[Row], across: Sequence[Row], text: Text) -> list[list[str]]:
