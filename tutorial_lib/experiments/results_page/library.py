@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from tutorial_lib.agents import remedy_navigation
 from tutorial_lib.driving import metrics
 from tutorial_lib.driving.data import perturbation, reachability_pairs, recorded_world
-from tutorial_lib.experiments.meng2020 import fig4
+from tutorial_lib.experiments.meng2020 import fig4, fig12_localization
 from tutorial_lib.experiments.protocols import (
     local_control,
     navigation,
     navigation_tasks,
     reachability,
 )
-from tutorial_lib.experiments.robustness import disturbances
+from tutorial_lib.experiments.robustness import disturbances, faults
 from tutorial_lib.topology import planner
 from tutorial_lib.topology.following import transitions as follower
 from tutorial_lib.topology.mapping import edge_rules, turn_edges
@@ -21,7 +22,9 @@ from tutorial_lib.topology.mapping import edge_rules, turn_edges
 LIBRARY: dict[str, Any] = {
     "disturbances": disturbances,
     "edge_rules": edge_rules,
+    "faults": faults,
     "fig4": fig4,
+    "fig12_localization": fig12_localization,
     "follower": follower,
     "local_control": local_control,
     "metrics": metrics,
@@ -32,5 +35,6 @@ LIBRARY: dict[str, Any] = {
     "reachability": reachability,
     "reachability_pairs": reachability_pairs,
     "recorded_world": recorded_world,
+    "remedy_navigation": remedy_navigation,
     "turn_edges": turn_edges,
 }
