@@ -7,6 +7,7 @@ from typing import Any
 from tutorial_lib.agents import remedy_navigation
 from tutorial_lib.driving import metrics
 from tutorial_lib.driving.data import perturbation, reachability_pairs, recorded_world
+from tutorial_lib.experiments.ltvn import model, spurious
 from tutorial_lib.experiments.meng2020 import fig4, fig12_localization
 from tutorial_lib.experiments.protocols import (
     local_control,
@@ -28,6 +29,7 @@ LIBRARY: dict[str, Any] = {
     "follower": follower,
     "local_control": local_control,
     "metrics": metrics,
+    "model": model,
     "navigation": navigation,
     "navigation_tasks": navigation_tasks,
     "perturbation": perturbation,
@@ -36,5 +38,6 @@ LIBRARY: dict[str, Any] = {
     "reachability_pairs": reachability_pairs,
     "recorded_world": recorded_world,
     "remedy_navigation": remedy_navigation,
+    "spurious": spurious,
     "turn_edges": turn_edges,
 }

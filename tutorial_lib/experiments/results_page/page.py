@@ -62,7 +62,7 @@ CHAPTERS = (
     navigation,
     probability,
     aliasing,
-    Chapter("Maps that mend themselves", lifelong.SECTIONS),
+    lifelong,
     Chapter("Exploring a place never seen", (*exploring.SECTIONS, *returning.SECTIONS)),
     Chapter("The worlds", worlds.SECTIONS),
     Chapter("Speed", speed.SECTIONS),

@@ -149,8 +149,12 @@ class Results:
 
     def note(self, name: str, beginning: str = "") -> str:
         """What the first note of a report that begins with those words says behind them."""
-        notes = [note for note in self.report(name).notes if note.startswith(beginning)]
+        notes = [note for note in self.notes(name) if note.startswith(beginning)]
         return notes[0].removeprefix(beginning)
+
+    def notes(self, name: str) -> tuple[str, ...]:
+        """All notes of a report."""
+        return self.report(name).notes
 
 
 def goal_words(rows: Rows) -> str:

@@ -73,6 +73,7 @@ def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
         "row": results.row,
         "on_maps": results.on_maps,
         "note": results.note,
+        "notes": results.notes,
         "worlds": results.worlds,
     }
     try:
