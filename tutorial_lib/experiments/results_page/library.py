@@ -15,7 +15,8 @@ from tutorial_lib.experiments.protocols import (
     navigation_tasks,
     reachability,
 )
-from tutorial_lib.experiments.robustness import disturbances, faults
+from tutorial_lib.experiments.robustness import disturbances, faults, plans
+from tutorial_lib.learning import exploration_training
 from tutorial_lib.topology import planner
 from tutorial_lib.topology.following import transitions as follower
 from tutorial_lib.topology.mapping import edge_rules, turn_edges
@@ -23,6 +24,7 @@ from tutorial_lib.topology.mapping import edge_rules, turn_edges
 LIBRARY: dict[str, Any] = {
     "disturbances": disturbances,
     "edge_rules": edge_rules,
+    "exploration_training": exploration_training,
     "faults": faults,
     "fig4": fig4,
     "fig12_localization": fig12_localization,
@@ -33,6 +35,7 @@ LIBRARY: dict[str, Any] = {
     "navigation": navigation,
     "navigation_tasks": navigation_tasks,
     "perturbation": perturbation,
+    "plans": plans,
     "planner": planner,
     "reachability": reachability,
     "reachability_pairs": reachability_pairs,

@@ -64,8 +64,8 @@ CHAPTERS = (
     aliasing,
     lifelong,
     Chapter("Exploring a place never seen", (*exploring.SECTIONS, *returning.SECTIONS)),
-    Chapter("The worlds", worlds.SECTIONS),
-    Chapter("Speed", speed.SECTIONS),
+    worlds,
+    speed,
     Chapter(compared.TITLE, compared.SECTIONS),
 )
 
