@@ -22,7 +22,6 @@ from tutorial_lib.experiments.results_page import (
     navigation,
     probability,
     reachability,
-    returning,
     speed,
     worlds,
 )
@@ -63,7 +62,7 @@ CHAPTERS = (
     probability,
     aliasing,
     lifelong,
-    Chapter("Exploring a place never seen", (*exploring.SECTIONS, *returning.SECTIONS)),
+    exploring,
     worlds,
     speed,
     Chapter(compared.TITLE, compared.SECTIONS),

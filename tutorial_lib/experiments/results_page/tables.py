@@ -140,6 +140,21 @@ def pivot(rows: Rows, lines: Sequence[Row], across: Sequence[Row], text: Text) -
     return [_cells([one(rows, **line, **keys) for keys in across], text) for line in lines]
 
 
+def of(rows: Rows, text: Text, **values: Any) -> Callable[[Row], str]:  # noqa: ANN401
+    """What a cell says of the only row that has all values of its line, and these.
+
+    >>> steps = of([{"agent": "nts", "goals": 10, "spl": 0.5}], "{spl:.2f}", goals=10)
+    >>> steps({"agent": "nts"})
+    '0.50'
+    """
+    return lambda line: said(text, one(rows, **line, **values))
+
+
+def said(text: Text, row: Row) -> str:
+    """What a cell says of a row."""
+    return text.format_map(row) if isinstance(text, str) else text(row)
+
+
 def by(key: str, values: Iterable[Any]) -> list[Row]:
     """What lines or columns ask for: each of some values of a column.
 
@@ -158,4 +173,4 @@ def _cells(rows: Rows, spec: Text | Best) -> list[str]:
     if isinstance(spec, Best):
         values = [spec.value(row) for row in rows]
         return with_best_bold(_cells(rows, spec.text), values, spec.least)
-    return [spec.format_map(row) if isinstance(spec, str) else spec(row) for row in rows]
+    return [said(spec, row) for row in rows]

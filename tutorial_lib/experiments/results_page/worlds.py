@@ -25,6 +25,7 @@ def missed(rows: Rows) -> int:
 
 def signs(rows: Rows) -> str:
     """How often the best direction is chosen, with and without knowing the goal's picture."""
+
     def blind(row: Row) -> str:
         same = {key: row[key] for key in ("signs", "difficulty")}
         return interval(one(rows, model="blind", **same), "top1")
