@@ -8,7 +8,6 @@ from statistics import fmean
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE
-from tutorial_lib.experiments.results_page import paper
 from tutorial_lib.experiments.results_page.markdown import Row, counted, listed, percent, table
 from tutorial_lib.experiments.results_page.sources import Results, goal_words
 from tutorial_lib.experiments.results_page.tables import (
@@ -22,6 +21,7 @@ from tutorial_lib.experiments.results_page.tables import (
     pivot,
     success,
     success_count,
+    total,
     without,
 )
 
@@ -76,19 +76,6 @@ def sizes_by_world(rows: Rows) -> str:
         ("SPTM: vertices", "{sptm[vertices]:,}"),
         ("edges", "{sptm[edges]:,}"),
         (OVER, "{sptm[wormholes]:,}"),
-    )
-
-
-def papers_table() -> str:
-    """Table II as the paper reports it."""
-    return listing(
-        paper.TABLE_2,
-        ("paper's world", "{area} m²"),
-        ("images", "{images:,}"),
-        ("Meng", "{meng_success:.1%}"),
-        ("map", "{meng_vertices:,} / {meng_edges:,}"),
-        ("SPTM", "{sptm_success:.1%}"),
-        ("map", "{sptm_vertices:,} / {sptm_edges:,}"),
     )
 
 
@@ -202,14 +189,6 @@ def fewer_trajectories(rows: Rows) -> str:
 def composed_of(rows: Rows) -> list[int]:
     """How many consecutive vertices a path has from each trajectory that it follows."""
     return [len(list(part)) for _, part in groupby(column(rows, "trajectory"))]
-
-
-def total(rows: Rows, method: str) -> Row:
-    """Trials and success of a method in all worlds together."""
-    found = matching(rows, method=method)
-    trials = sum(row["trials"] for row in found)
-    succeeded = sum(round(row["success"] * row["trials"]) for row in found)
-    return {"method": method, "trials": trials, "success": succeeded / trials}
 
 
 def gaps(rows: Rows, method: str, other: str) -> list[float]:

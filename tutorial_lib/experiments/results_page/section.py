@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from tutorial_lib.errors import InputError
@@ -44,16 +45,33 @@ def section_of(
     Raises:
         InputError: naming the reports that were read, if one lacks a row, a column or a note.
     """
+    with blaming(results, sources):
+        measured, *found = paragraphs(body())
+    text = "\n\n".join([f"### {title}", measured, *_commands(results, sources), *found])
+    return Section(title, sources, text)
+
+
+@contextmanager
+def blaming(results: Results, sources: tuple[str, ...] = ()) -> Iterator[None]:
+    """Reports that are read within are to blame for what goes wrong there.
+
+    Args:
+        results: the reports.
+        sources: names of those to be named first.
+
+    Raises:
+        InputError: naming the reports and their commands, if one lacks a row, a column or a note.
+    """
     results.read.clear()
     try:
-        measured, *found = paragraphs(body())
+        yield
+    except InputError:
+        raise
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         names = tuple(dict.fromkeys((*sources, *results.read)))
         files = ", ".join(f"{name}.json" for name in names)
         advice = "; ".join(remedy(name) for name in names)
         raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
-    text = "\n\n".join([f"### {title}", measured, *_commands(results, sources), *found])
-    return Section(title, sources, text)
 
 
 def paragraphs(text: str) -> list[str]:

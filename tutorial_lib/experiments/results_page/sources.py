@@ -126,10 +126,15 @@ class Results:
     read: list[str] = field(default_factory=list)
 
     def report(self, name: str) -> Report:
-        """A report, which counts as read."""
-        found = self.reports[name]
+        """A report, which counts as read.
+
+        Raises:
+            InputError: unless there is one of that name.
+        """
+        if name not in self.reports:
+            raise InputError(f"{name}: the page has no such report")
         self.read.append(name)
-        return found
+        return self.reports[name]
 
     def rows(self, name: str, **values: Any) -> Rows:  # noqa: ANN401 - any value of a row
         """The rows of a report that have those values."""

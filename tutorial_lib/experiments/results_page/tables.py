@@ -64,6 +64,14 @@ def column(rows: Rows, key: str) -> list[Any]:
     return [row[key] for row in rows]
 
 
+def total(rows: Rows, method: str) -> Row:
+    """Trials and success of a method in all worlds together."""
+    found = matching(rows, method=method)
+    trials = sum(row["trials"] for row in found)
+    succeeded = sum(round(row["success"] * row["trials"]) for row in found)
+    return {"method": method, "trials": trials, "success": succeeded / trials}
+
+
 def of_each(reports: Mapping[str, Rows], key: str, **values: Any) -> list[Any]:  # noqa: ANN401
     """A column's value in the only row of each report that has those values.
 

@@ -14,19 +14,47 @@ from jinja2.utils import missing
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
-from tutorial_lib.experiments.results_page import markdown, paper, tables
+from tutorial_lib.experiments.results_page import paper
 from tutorial_lib.experiments.results_page.library import LIBRARY
+from tutorial_lib.experiments.results_page.markdown import (
+    brief,
+    capital,
+    count,
+    link,
+    listed,
+    number,
+    percent,
+    percents,
+    points,
+    slashed,
+    span,
+)
 from tutorial_lib.experiments.results_page.section import Section, section_of
 from tutorial_lib.experiments.results_page.sources import MAPS, Results, goal_words
+from tutorial_lib.experiments.results_page.tables import (
+    column,
+    listing,
+    matching,
+    of_each,
+    one,
+    total,
+)
+from tutorial_lib.world.worlds import TRAINING_SEEDS
 
 TEMPLATES = FOLDER / "page"
+FUNCTIONS = (
+    *(brief, capital, column, count, goal_words, link, listed, listing, matching, number),
+    *(of_each, one, percent, percents, points, slashed, span, total),
+    *(math.ceil, math.degrees, math.floor, max, min, sum),
+)
+"""What every template may call, besides `mean` and what it asks of the reports."""
 
 
 class Missing(StrictUndefined):
     """A column that a row lacks is the report's fault; a name that is not there the template's."""
 
-    def __init__(self, hint: str | None = None, obj: Any = missing, *rest: Any) -> None:  # noqa: ANN401
-        super().__init__(hint, obj, *rest)
+    def __init__(self, *given: Any, obj: Any = missing, **more: Any) -> None:  # noqa: ANN401
+        super().__init__(*given, obj=obj, **more)
         if isinstance(obj, dict | list):
             raise LookupError(self._undefined_message)
 
@@ -34,25 +62,13 @@ class Missing(StrictUndefined):
 ENVIRONMENT = Environment(
     loader=FileSystemLoader(TEMPLATES), undefined=Missing, trim_blocks=True, lstrip_blocks=True
 )
-ENVIRONMENT.globals |= LIBRARY
+ENVIRONMENT.globals |= LIBRARY | {function.__name__: function for function in FUNCTIONS}
 ENVIRONMENT.globals |= {
-    function.__name__: function
-    for function in (
-        *(markdown.brief, markdown.capital, markdown.count, markdown.counted, markdown.interval),
-        *(markdown.link, markdown.listed, markdown.number, markdown.percent, markdown.percents),
-        *(
-            markdown.points,
-            markdown.span,
-            tables.column,
-            tables.matching,
-            tables.of_each,
-            tables.one,
-            goal_words,
-        ),
-        *(math.ceil, math.degrees, math.floor, max, min, sum),
-    )
+    "MAPS": MAPS,
+    "TRAINING_SEEDS": TRAINING_SEEDS,
+    "mean": fmean,
+    "paper": paper,
 }
-ENVIRONMENT.globals |= {"MAPS": MAPS, "mean": fmean, "paper": paper}
 
 
 def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
@@ -66,33 +82,33 @@ def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
     Raises:
         InputError: naming the template and the line, if it is not valid.
     """
-    file = TEMPLATES / f"{name}.md.j2"
-    given = {
-        "results": results,
-        "rows": results.rows,
-        "row": results.row,
-        "on_maps": results.on_maps,
-        "note": results.note,
-        "notes": results.notes,
-        "worlds": results.worlds,
-    }
+    file = f"{name}.md.j2"
+    asked = (
+        results.rows,
+        results.row,
+        results.on_maps,
+        results.worlds,
+        results.note,
+        results.notes,
+    )
+    given = {method.__name__: method for method in asked} | {"results": results} | more
     try:
-        return ENVIRONMENT.get_template(file.name).render(given | more).strip("\n")
+        return ENVIRONMENT.get_template(file).render(given).strip("\n")
     except TemplateError as error:
-        lines = [
-            place.lineno for place in extract_tb(error.__traceback__) if place.name == "template"
-        ]
-        raise InputError(f"{file}, line {getattr(error, 'lineno', lines)}: {error}") from error
+        places = extract_tb(error.__traceback__)
+        lines = [place.lineno for place in places if not place.filename.endswith(".py")]
+        line = getattr(error, "lineno", None) or (lines or [1])[-1]
+        raise InputError(f"{TEMPLATES / file}, line {line}: {error}") from error
 
 
 def render_chapter(
-    results: Results, tables_of: ModuleType, only: str = ""
+    results: Results, tables: ModuleType, only: str = ""
 ) -> tuple[str, list[Section]]:
     """A chapter, and its sections.
 
     Args:
         results: the reports.
-        tables_of: the module of the chapter's tables, which has the name of its template.
+        tables: the module of the chapter's tables, which has the name of its template.
         only: the title of a section, if no other is to be made.
     """
     found: list[Section] = []
@@ -103,5 +119,5 @@ def render_chapter(
         found.append(section_of(results, title, sources, caller))
         return f"{found[-1].text}\n"
 
-    name = tables_of.__name__.rpartition(".")[2]
-    return render(results, name, tables=tables_of, section=section), found
+    name = tables.__name__.rpartition(".")[2]
+    return render(results, name, tables=tables, section=section), found
