@@ -12,7 +12,7 @@ from tutorial_lib.experiments.common.report import Report, Rows
 from tutorial_lib.experiments.common.results import FOLDER, load_result
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
 from tutorial_lib.experiments.protocols.navigation import CLIP, ONE
-from tutorial_lib.experiments.results_page.markdown import Row
+from tutorial_lib.experiments.results_page.markdown import Row, percent
 from tutorial_lib.experiments.results_page.tables import matching, one
 
 MAPS = ("depot", "tb3_sandbox", "warehouse")
@@ -144,9 +144,17 @@ class Results:
         """The only row of a report that has those values."""
         return one(self.report(name).rows, **values)
 
+    def success(self, name: str, **values: Any) -> str:  # noqa: ANN401 - any value of a row
+        """The share that succeeded in the only row of a report that has those values."""
+        return percent(self.row(name, **values)["success"])
+
     def on_maps(self, name: str) -> dict[str, Rows]:
         """The rows of the reports that measured the same on maps from Nav2, by map."""
         return {place: self.rows(f"{name}_{place}") for place in MAPS}
+
+    def on_each_map(self, name: str, **values: Any) -> list[str]:  # noqa: ANN401
+        """The shares that succeeded in the only rows on those maps that have those values."""
+        return [self.success(f"{name}_{place}", **values) for place in MAPS]
 
     def worlds(self, name: str) -> int:
         """The number of worlds of a report."""

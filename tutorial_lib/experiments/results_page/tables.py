@@ -72,15 +72,6 @@ def total(rows: Rows, method: str) -> Row:
     return {"method": method, "trials": trials, "success": succeeded / trials}
 
 
-def of_each(reports: Mapping[str, Rows], key: str, **values: Any) -> list[Any]:  # noqa: ANN401
-    """A column's value in the only row of each report that has those values.
-
-    >>> of_each({"depot": [{"success": 0.9}], "warehouse": [{"success": 0.8}]}, "success")
-    [0.9, 0.8]
-    """
-    return [one(rows, **values)[key] for rows in reports.values()]
-
-
 def named(rows: Rows, key: str, names: Mapping[Any, str], **values: Any) -> Rows:  # noqa: ANN401
     """The only row for each name in a column, in the order of the names, with its words as `name`.
 

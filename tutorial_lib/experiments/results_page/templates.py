@@ -35,7 +35,6 @@ from tutorial_lib.experiments.results_page.tables import (
     column,
     listing,
     matching,
-    of_each,
     one,
     total,
 )
@@ -44,7 +43,7 @@ from tutorial_lib.world.worlds import TRAINING_SEEDS
 TEMPLATES = FOLDER / "page"
 FUNCTIONS = (
     *(brief, capital, column, count, goal_words, link, listed, listing, matching, number),
-    *(of_each, one, percent, percents, points, slashed, span, total),
+    *(one, percent, percents, points, slashed, span, total),
     *(math.ceil, math.degrees, math.floor, max, min, sum),
 )
 """What every template may call, besides `mean` and what it asks of the reports."""
@@ -84,12 +83,8 @@ def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
     """
     file = f"{name}.md.j2"
     asked = (
-        results.rows,
-        results.row,
-        results.on_maps,
-        results.worlds,
-        results.note,
-        results.notes,
+        *(results.rows, results.row, results.success, results.on_maps, results.on_each_map),
+        *(results.note, results.notes, results.worlds),
     )
     given = {method.__name__: method for method in asked} | {"results": results} | more
     try:
