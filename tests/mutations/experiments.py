@@ -166,14 +166,14 @@ MUTATIONS = [
     ),
     (
         "the oracle's success may be the best of a column",
-        "experiments/results_page/local_control.py",
-        'judged = [None if row["controller"] in BOUNDS else row["success"] for row in found]',
-        'judged = [row["success"] for row in found]',
+        "experiments/results_page/tables.py",
+        "return lambda row: None if row[name] in bounds else row[key]",
+        "return lambda row: row[key]",
         "experiments/results_page/test_local_control_tables.py -k bold",
     ),
     (
         "success in all worlds together is the mean over worlds",
-        "experiments/results_page/navigation.py",
+        "experiments/results_page/tables.py",
         '"success": succeeded / trials}',
         '"success": sum(row["success"] for row in found) / len(found)}',
         "experiments/results_page/test_navigation_tables.py -k together",

@@ -1,4 +1,12 @@
-"""Tables in Markdown, taken apart."""
+"""The page taken apart: sections, and the cells of tables in Markdown."""
+
+from tutorial_lib.experiments.results_page.templates import render_chapter
+
+
+def section(chapter, title, results):
+    """One section of a chapter, which may lack the reports of all others."""
+    _, (found,) = render_chapter(results, chapter, title)
+    return found
 
 
 def cells(text):

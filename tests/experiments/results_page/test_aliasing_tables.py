@@ -2,9 +2,10 @@
 
 import pytest
 
-from tests.experiments.results_page.tables import cells
+from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.meng2020.fig12_localization import CASES
 from tutorial_lib.experiments.results_page import aliasing, sources
 from tutorial_lib.experiments.results_page.sources import Results
 
@@ -93,6 +94,11 @@ def test_each_choice_of_remedies_is_compared_with_all_or_with_none(results):
     assert found["all"]["out of time"] == "4.0%"
 
 
+def test_every_choice_of_remedies_and_every_case_is_shown():
+    assert list(aliasing.NAMES) == list(REMEDIES)
+    assert list(aliasing.SHOWN_CASES) == list(CASES)
+
+
 def test_a_case_of_the_filter_shows_only_what_it_has(results):
     head, *lines = cells(aliasing.filter_by_case(ROWS["meng_fig12_localization"]))
     assert len(lines) == 4
@@ -105,7 +111,9 @@ def test_a_case_of_the_filter_shows_only_what_it_has(results):
 
 
 def test_the_sections_tell_the_numbers_below_their_commands(results):
-    remedies, belief, elsewhere = (section.text(results) for section in aliasing.SECTIONS)
+    titles = ("Fig. 12: starts that look alike", "A belief over vertices")
+    titles += ("Table II with the remedies",)
+    remedies, belief, elsewhere = (section(aliasing, title, results).text for title in titles)
     assert "With all remedies 95.0% of the trials succeed, with none 50.0%" in remedies
     assert "1 of 500 trials with all remedies" in remedies
     assert "Where it is sure it is right in 93.0% of the steps" in belief

@@ -1,11 +1,10 @@
 """Tables of what was learned of a part of the drives, and of rules of reuse."""
 
-import pytest
-
-from tests.experiments.results_page.tables import cells
+from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.experiments.common.report import Report
-from tutorial_lib.experiments.results_page import composing, reuse
-from tutorial_lib.experiments.results_page.composing import chosen, composed_trials, map_sizes
+from tutorial_lib.experiments.results_page import maps, navigation
+from tutorial_lib.experiments.results_page.maps import rules_of_reuse
+from tutorial_lib.experiments.results_page.navigation import chosen, composed_trials, map_sizes
 from tutorial_lib.experiments.results_page.sources import (
     COMMANDS,
     DRIVES,
@@ -86,7 +85,7 @@ def test_thresholds_have_their_success_in_composed_trials():
         | {"wormholes": 0, "trials": 10, "success": 0.5, "success_composed": share}
         for share in (0.25, 0.75)
     ]
-    found = cells(chosen(results(rows, "a"), "a"))
+    found = cells(chosen(rows))
     assert found[0][-2:] == ["success", "composed"]
     assert [line[-1] for line in found[1:]] == ["25.0%", "75.0%"]
 
@@ -97,20 +96,20 @@ def test_rules_of_reuse_are_named_by_their_thresholds():
         | {"growth": 0.17, "trials": 40, "success": 0.9}
         for between in (1.0, 0.94)
     ]
-    found = cells(reuse.rules_of_reuse(rows))
+    found = cells(rules_of_reuse(rows))
     size = ["1,234", "3,000", "17.0%", "90.0% (36 of 40)"]
     assert found[1:] == [["0.94", "never", *size], ["0.94", "0.94", *size]]
-    (section,) = reuse.SECTIONS
     rows[1]["growth"] = 0.08
-    text = section.text(results(rows, "meng_fig13_reuse"))
+    text = section(maps, "Fig. 13: rules of reuse", results(rows, "meng_fig13_reuse")).text
     assert "they grow by 8.0% instead of 17.0%" in text
 
 
 def test_the_sections_say_what_the_protocol_hides_and_by_which_command():
     names = [stored_as(drives) for drives in LEARNED]
-    section = composing.SECTIONS[0]
-    assert section.sources == (*names, HARDER)
-    text = section.text(results(ROWS, *names, HARDER, "meng_table2"))
+    title, stored = "Table II: a part of the drives", (*names, HARDER, "meng_table2")
+    found = section(navigation, title, results(ROWS, *stored))
+    text = found.text
+    assert found.sources == (*names, HARDER)
     assert "in 99.5% of its trials some recorded drive passes" in text
     for drives, name in zip(LEARNED, names, strict=True):
         assert f"--worlds 20000:20010 --drives {drives} --json" in command_of(name)
@@ -119,12 +118,14 @@ def test_the_sections_say_what_the_protocol_hides_and_by_which_command():
     assert "| a tour, harder trials | 450 | 81.0% (70.0% to 90.0%) |" in text
 
 
-@pytest.mark.parametrize("section", composing.SECTIONS)
-def test_every_section_shows_reports_that_have_a_command(section):
-    assert set(section.sources) <= set(COMMANDS)
-
-
 def test_thresholds_are_measured_for_each_part():
     names = tuple(stored_as(drives, "thresholds") for drives in DRIVES)
-    assert composing.SECTIONS[1].sources == names
+    title = "Table II: thresholds for a part of the drives"
+    rows = [{"method": "meng", "threshold": 0.97, "replans": True, "vertices": 5, "edges": 6}]
+    rows[0] |= {"wormholes": 0, "trials": 10, "success": 0.5, "success_composed": 0.25}
+    notes = tuple(f"best with --drives {drives}: p_edge 0.97" for drives in DRIVES)
+    reports = {name: Report(name, 0, (1,), False, 1.0, rows, notes) for name in names}
+    found = section(navigation, title, Results(reports))
+    assert found.sources == names
+    assert "A tour: best p_edge 0.97." in found.text
     assert set(names) < set(COMMANDS)

@@ -4,16 +4,17 @@ from itertools import product
 
 import pytest
 
-from tests.experiments.results_page.tables import cells
+from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.nts import second_visit
 from tutorial_lib.experiments.nts.scores import PAIRS, SCORES
-from tutorial_lib.experiments.results_page import exploring, returning, speed
-from tutorial_lib.experiments.results_page.exploring import choices, in_time, success_and_spl
-from tutorial_lib.experiments.results_page.sources import EXPLORING, Results
-from tutorial_lib.experiments.results_page.summary import exploration
+from tutorial_lib.experiments.results_page import exploring, speed
+from tutorial_lib.experiments.results_page.exploring import choices, in_time, table_1
+from tutorial_lib.experiments.results_page.page import block_of
+from tutorial_lib.experiments.results_page.sources import EXPLORING, Results, load_results
+from tutorial_lib.experiments.results_page.templates import render_chapter
 
-SECTIONS = (*exploring.SECTIONS, *returning.SECTIONS)
 LEVELS = ("easy", "medium", "hard")
 SIGNS = ("plain", "wayfinding")
 SPL = {"nts": 0.6, "fbe": 0.5, "ans_like": 0.55, "nts_no_score": 0.4, "nts_blind": 0.45}
@@ -65,6 +66,11 @@ def results(name, rows, notes):
     return Results({name: Report(name, 0, tuple(range(14)), False, 1.0, rows, tuple(notes))})
 
 
+def text_of(title, found):
+    """The text of a section of the chapter."""
+    return section(exploring, title, found).text
+
+
 def test_choices_stand_beside_a_blind_score_and_another_sensor():
     head, *lines = cells(choices(CHOSEN))
     assert len(lines) == 12
@@ -74,14 +80,14 @@ def test_choices_stand_beside_a_blind_score_and_another_sensor():
     assert lines[2] == ["unconnected", "plain", "hard", "80", *shares, *gaps, "62.0%"]
     assert lines[10][:4] == ["all", "wayfinding", "medium", "100"]
     assert lines[10][4] == "78.0% (77.0 to 79.0)"
-    text = exploring.SECTIONS[0].text(results("nts_scores", CHOSEN, ()))
+    text = text_of("Scores of directions", results("nts_scores", CHOSEN, ()))
     assert "600 decisions" not in text
     assert "300 decisions in 14 test worlds" in text
     assert "those 240 *unconnected* pairs come first" in text
 
 
 def test_the_best_agent_is_bold_and_bounds_take_no_part():
-    _, *lines = cells(success_and_spl(TABLE, "plain"))
+    _, *lines = cells(table_1(TABLE, "plain"))
     assert [line[0] for line in lines[:2]] == ["NTS", "NTS, random scores"]
     assert len(lines) == len(SPL) + 1 + 3  # those of reinforcement learning
     later = [line for line in lines if line[2] == exploring.LATER]
@@ -104,7 +110,7 @@ def test_every_section_of_table1_has_its_differences():
         f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
         for number, (agent, signs, level) in enumerate(product(others, SIGNS, LEVELS))
     ]
-    text = exploring.SECTIONS[1].text(results("nts_table1", TABLE, notes))
+    text = text_of("Table 1: image-goal navigation", results("nts_table1", TABLE, notes))
     assert "| nearest frontier | wayfinding | +0.03 | +0.04 | +0.05 |" in text
     assert "| NTS, scores blind to the goal | plain | +0.18 | +0.19 | +0.20 |" in text
     assert "300 episodes of each difficulty" in text
@@ -118,7 +124,7 @@ def test_cars_stand_beside_round_robots():
     ]
     both = results("nts_table1", TABLE, ()).reports
     both |= results("nts_table1_car", cars, ("turned at their starts: 3 of 9 cars",)).reports
-    text = exploring.SECTIONS[2].text(Results(both))
+    text = text_of("Table 1 with a car", Results(both))
     assert "it was turned (3 of 9 cars)" in text
     assert "| plain | NTS | 66.0% / 0.500 | 65.0% / 0.600 | 64.0% / 0.480 | 63.0%" in text
     assert "NTS in a car succeeds in 64.0% and the round robot in 63.0%" in text
@@ -138,7 +144,7 @@ def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
         for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
         if condition != "standard"
     ]
-    text = exploring.SECTIONS[3].text(results("nts_table2", rows, notes))
+    text = text_of("Table 2: stopping and noise", results("nts_table2", rows, notes))
     for line in (
         "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points |",
         "| nearest frontier | the paper | 42% | 56% | 49% | +14.0 points | +7.0 points |",
@@ -158,7 +164,7 @@ def test_the_other_sections_read_their_reports():
         for signs in SIGNS
         for goals in range(1, 11)
     ]
-    text = returning.SECTIONS[0].text(results("nts_fig8", rows, ()))
+    text = text_of("Fig. 8: goals one after another", results("nts_fig8", rows, ()))
     ends = "-2.0 points (-30.0 to +10.0) | -20.0 points (-30.0 to +10.0) | +0.010 | +0.100 |"
     assert f"| NTS without a graph | plain | grows | {ends}" in text
     assert f"| NTS, random scores | wayfinding | shrinks | {ends}" in text
@@ -171,24 +177,25 @@ def test_the_other_sections_read_their_reports():
         for signs in SIGNS
         for goals in ("passed", "elsewhere", "all")
     ]
-    text = returning.SECTIONS[1].text(results("nts_second_visit", rows, ("first visits took",)))
+    text = text_of("A second visit", results("nts_second_visit", rows, ("first visits took",)))
     assert text.count("+20.0 points") == 12
+    assert tuple(exploring.METHODS) == second_visit.METHODS
     assert "First visits took" in text
     single = [
         {"agent": agent, "signs": signs, "difficulty": level, "episodes": 120}
         | {"success": 0.9 - LESS[level], "spl": 0.8 - LESS[level]}
-        for agent in returning.OPTIONS
+        for agent in exploring.OPTIONS
         for signs in SIGNS
         for level in LEVELS
     ]
     sequence = [
         {"agent": agent, "signs": signs, "goals": 10, "episodes": 64, "success": 0.7, "spl": 0.6}
         | {"spl_gap": 0.02, "spl_gap_low": -0.01, "spl_gap_high": 0.05}
-        for agent in returning.OPTIONS
+        for agent in exploring.OPTIONS
         for signs in SIGNS
     ]
     line = "| 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 | 70.0% / 0.600 |"
-    text = returning.options(single, sequence)
+    text = exploring.options(single, sequence)
     assert f"| explored by sight | wayfinding {line} +0.020 (-0.010 to +0.050) |" in text
     assert f"| the course's | plain {line}  |" in text
     rows = [
@@ -198,15 +205,14 @@ def test_the_other_sections_read_their_reports():
         for world, ghosts in (("20000", (4, 4)), ("20001", (3, 5)))
         for goal, ghost in zip(("kitchen", "bathroom"), ghosts, strict=True)
     ]
-    text = returning.SECTIONS[-1].text(results("nts_figs", rows, ()))
+    text = text_of("Figs. 3, 4, 9 and 10: examples", results("nts_figs", rows, ()))
     assert text.count("| office 20000 | kitchen | 4 | 5 | 7.2 m |") == 1
     assert "| office 20001 | kitchen | 3 | 5 | missed |" in text
     assert "Here they do in 1 of 2." in text
     rows = [{"agent": "nts", "model": "rgbd", "episodes": 64, "steps_per_s": 1_834.0}]
-    assert "| NTS | network, with depth | 1,834 |" in speed.SECTIONS[-1].text(
-        results("explore", rows, ())
-    )
-    named = {name for section in SECTIONS for name in section.sources}
+    assert "| NTS | network, with depth | 1,834 |" in speed.exploration(rows)
+    _, sections = render_chapter(load_results(), exploring)
+    named = {name for found in sections for name in found.sources}
     assert named == {
         f"nts_{name}" for name in (*EXPLORING, "table1_car", "table1_options", "fig8_options")
     }
@@ -215,18 +221,18 @@ def test_the_other_sections_read_their_reports():
 RULES = [
     {"agent": agent, "signs": signs, "difficulty": level, "episodes": 120}
     | {"success": 0.9 - LESS[level] - number / 20, "spl": 0.8 - LESS[level]}
-    for number, agent in enumerate(returning.RULES)
+    for number, agent in enumerate(exploring.RULES)
     for signs in SIGNS
     for level in LEVELS
 ]
 RULE_GAPS = [
     f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
-    for number, (agent, signs, level) in enumerate(product([*returning.RULES][1:], SIGNS, LEVELS))
+    for number, (agent, signs, level) in enumerate(product([*exploring.RULES][1:], SIGNS, LEVELS))
 ]
 
 
 def test_rules_of_the_paper_stand_beside_the_course_s():
-    text = returning.SECTIONS[2].text(results("nts_table1_options", RULES, RULE_GAPS))
+    text = text_of("Rules of the paper", results("nts_table1_options", RULES, RULE_GAPS))
     course = "| the course's | plain | 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 |  |  |  |"
     masked = "| 85.0% / 0.800 | 83.0% / 0.780 | 75.0% / 0.700 | +0.03 | +0.04 | +0.05 |"
     assert course in text
@@ -238,12 +244,15 @@ def test_rules_of_the_paper_stand_beside_the_course_s():
 
 def test_a_section_without_a_command_names_the_report_that_is_damaged():
     with pytest.raises(InputError, match=r"nts_table1_options\.json: damaged.*--ablation options"):
-        returning.SECTIONS[2].text(results("nts_table1_options", RULES[:-1], RULE_GAPS))
+        text_of("Rules of the paper", results("nts_table1_options", RULES[:-1], RULE_GAPS))
 
 
 def test_the_short_table_has_hard_goals_with_signs_and_without():
     rows = [row | {"success": row["success"] - 0.1 * (row["signs"] == "plain")} for row in TABLE]
-    what, here, beside, paper = exploration(rows)
+    stored = load_results().reports
+    block = block_of(Results(stored | results("nts_table1", rows, ()).reports))
+    (line,) = [line for line in block.splitlines() if line.startswith("| a picture 5")]
+    what, here, beside, paper = (cell.strip() for cell in line.strip("|").split(" | "))
     assert what.endswith("with signs / without: NTS")
     assert (here, paper) == ("55.0% / 45.0% (SPL 0.45 / 0.50)", "33%, SPL 0.16")
     assert beside == (

@@ -1,20 +1,21 @@
 import pytest
 
 from tests.experiments.results_page.tables import cells
-from tutorial_lib.experiments.results_page.ablations import smoothing, variants
 from tutorial_lib.experiments.results_page.local_control import (
     BREAKDOWN,
     CONTROLLERS,
     breakdown,
     on_maps,
+    smoothing,
     table_1,
+    variants,
 )
 
 
 def made_up(controller, condition, success, **others):
     row = {"controller": controller, "condition": condition, "episodes": 40, "success": success}
     row |= {"low": success - 0.05, "high": success + 0.02, "paper": None}
-    return row | dict.fromkeys(BREAKDOWN, 0.5) | others
+    return row | dict.fromkeys([*BREAKDOWN, "collided"], 0.5) | others
 
 
 def every(condition, start):
@@ -54,12 +55,12 @@ def test_a_missing_row_is_an_error():
 
 def test_the_breakdown_has_each_kind_of_target_in_its_column():
     rows = every("clean", 0.1)
-    for number, key in enumerate(BREAKDOWN):
+    for number, key in enumerate([*BREAKDOWN, "collided"]):
         rows[2][key] = 0.9 + 0.01 * number
     found = cells(breakdown(rows))
-    assert found[0][1:] == list(BREAKDOWN.values())
+    assert found[0][1:] == [*BREAKDOWN.values(), "collided"]
     expected = [f"**{90 + number}.0%**" for number in range(len(BREAKDOWN))]
-    assert found[3] == ["C, k = 0", *expected[:-1], "98.0%"]  # collisions are not to be won
+    assert found[3] == ["C, k = 0", *expected, "98.0%"]  # collisions are not to be won
     assert found[4][1] == "50.0%"
 
 

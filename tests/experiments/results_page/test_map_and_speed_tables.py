@@ -2,14 +2,13 @@ import pytest
 
 from tests.experiments.results_page.tables import cells
 from tutorial_lib.experiments.results_page.maps import (
-    composed_of,
     cost,
-    fewer_trajectories,
     growth,
     growths,
     stages,
     whole_maps,
 )
+from tutorial_lib.experiments.results_page.navigation import composed_of, fewer_trajectories
 from tutorial_lib.experiments.results_page.probability import (
     outcomes_of_faults,
     plan_probabilities,

@@ -1,7 +1,8 @@
-"""Exploring a place never seen: Neural Topological SLAM and what it is compared with."""
+"""Tables of exploring a place never seen: Neural Topological SLAM and what it is compared with."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from itertools import product
 
 from tutorial_lib.experiments.common.report import Rows
@@ -12,17 +13,27 @@ from tutorial_lib.experiments.protocols.exploration import AT_STEPS
 from tutorial_lib.experiments.results_page.markdown import (
     Row,
     interval,
-    number,
     percent,
+    percents,
     points,
     table,
-    with_best_bold,
 )
-from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import Results, matching, one
+from tutorial_lib.experiments.results_page.sources import Results
+from tutorial_lib.experiments.results_page.tables import (
+    Best,
+    by,
+    column,
+    listing,
+    matching,
+    of,
+    one,
+    pivot,
+    success,
+    success_and_spl,
+    transposed,
+    without,
+)
 from tutorial_lib.exploration.episodes import DIFFICULTIES
-from tutorial_lib.learning.exploration_training import WITHIN
-from tutorial_lib.learning.weights import load_card
 from tutorial_lib.world.generators import SIGNS
 
 AGENTS = {
@@ -43,6 +54,27 @@ LATER = "Part of the course's last notebook"
 """In place of what those reach here."""
 SENSORS = {"rgbd": "with depth", "rgb": "without depth"}
 
+METHODS = {"both": "map and explorer", "memory": "map alone", "explorer": "explorer alone"}
+"""How methods of the second visit are called on the page."""
+RULES = {
+    "nts": "the course's",
+    "nts_masked": "F_S masked",
+    "nts_all_nodes": "F_L over all nodes",
+    "nts_by_odometry": "edges by odometry",
+    "nts_no_ghost_nodes": "no node at a ghost",
+    "nts_paper": "all four",
+}
+"""How the course's rules and those of the paper are called on the page."""
+OPTIONS = {
+    "nts": "the course's",
+    "nts_travel": "travelling costs",
+    "nts_views": "views combined",
+    "nts_reserve": "reserve compared",
+    "nts_by_sight": "explored by sight",
+}
+"""How rules beyond the paper are called on the page."""
+GOALS = {"passed": "passed on the first visit", "elsewhere": "elsewhere", "all": "all"}
+
 
 def gap_of(row: Row, key: str) -> str:
     """A paired difference of shares and its interval.
@@ -56,99 +88,52 @@ def gap_of(row: Row, key: str) -> str:
 
 def choices(rows: Rows) -> str:
     """How often each score chooses the right direction, with depth; and F_S without."""
-    lines = []
-    for pairs, signs, difficulty in product(PAIRS, SIGNS, DIFFICULTIES):
-        key = {"pairs": pairs, "signs": signs, "difficulty": difficulty}
-        found = {row["score"]: row for row in matching(rows, sensor="rgbd", **key)}
-        rgb = one(rows, sensor="rgb", score="semantic", **key)
-        lines.append(
-            [
-                *(pairs, signs, difficulty, f"{rgb['decisions']:,}"),
-                interval(found["semantic"], "top1"),
-                *(percent(found[s]["top1"]) for s in ("masked", "blind", "histogram", "random")),
-                *(gap_of(found[score], "gain") for score in ("masked", "blind", "histogram")),
-                percent(rgb["top1"]),
-            ]
-        )
-    head = ["pairs", "worlds", "goals", "decisions", "F_S", "masked", "blind", "colours", "random"]
-    head += ["F_S - masked", "F_S - blind", "F_S - colours", "F_S without depth"]
-    return table(head, lines)
+    scores = {"masked": "masked", "blind": "blind", "histogram": "colours"}
+    rgbd, rgb = (matching(rows, sensor=sensor) for sensor in ("rgbd", "rgb"))
+    return listing(
+        _asked(pairs=PAIRS, signs=SIGNS, difficulty=DIFFICULTIES),
+        ("pairs", "{pairs}"),
+        ("worlds", "{signs}"),
+        ("goals", "{difficulty}"),
+        ("decisions", of(rgb, "{decisions:,}", score="semantic")),
+        ("F_S", of(rgbd, lambda row: interval(row, "top1"), score="semantic")),
+        *((words, of(rgbd, "{top1:.1%}", score=score)) for score, words in scores.items()),
+        ("random", of(rgbd, "{top1:.1%}", score="random")),
+        *((f"F_S - {words}", of(rgbd, _gain, score=score)) for score, words in scores.items()),
+        ("F_S without depth", of(rgb, "{top1:.1%}", score="semantic")),
+    )
 
 
-def _score_section(results: Results) -> list[str]:
-    rows = results.rows("nts_scores")
-    mine = matching(rows, sensor="rgbd", signs="plain", score="semantic")
-    decisions = {
-        pairs: sum(row["decisions"] for row in matching(mine, pairs=pairs)) for pairs in PAIRS
-    }
-
-    asked = f"{decisions['unconnected']:,}"
-
-    def gain(signs: str, level: str, pairs: str = "unconnected") -> str:
-        key = {"signs": signs, "difficulty": level, "pairs": pairs}
-        return points(one(rows, sensor="rgbd", score="blind", **key)["gain"])
-
-    return [
-        f"F_S scores the directions of a panorama by how near they lead to the goal of another. Is "
-        f"its first choice right: is the path to the goal from that direction's end at most "
-        f"{WITHIN:g} m longer than from the best one's? {decisions['all']:,} decisions in "
-        f"{results.worlds('nts_scores')} test worlds, the same with and without signs. F_S is "
-        f"asked only where the goal is in another node (Sec. 4.2): those {asked} "
-        f"*unconnected* pairs come first. *Masked* is a network of the same recipe whose scores "
-        f"learnt from unconnected pairs only, as the paper's do (appendix B); ours learn from all. "
-        f"*Blind* is a network whose scores were trained without the goal; *colours* compares "
-        f"histograms.",
-        choices(rows),
-        f"Between unconnected places, to see the goal is worth {gain('plain', 'medium')} on medium "
-        f"decisions and {gain('plain', 'hard')} on hard ones in plain worlds, and "
-        f"{gain('wayfinding', 'medium')} and {gain('wayfinding', 'hard')} where signs lead to it. "
-        f"Over all pairs it is worth {gain('plain', 'easy', 'all')} on easy decisions: almost all "
-        f"of those goals are in sight, where the robot asks F_R and not F_S.",
-    ]
-
-
-def success_and_spl(rows: Rows, signs: str) -> str:
+def table_1(rows: Rows, signs: str) -> str:
     """Table 1 for one kind of worlds: success and SPL of every agent, the paper's beside them."""
     lines = []
     for sensor, words in SENSORS.items():
         mine = matching(rows, signs=signs, sensor=sensor)
         agents = [name for name in AGENTS if matching(mine, agent=name)]
-        columns = []
-        for difficulty in DIFFICULTIES:
-            found = [one(mine, agent=name, difficulty=difficulty) for name in agents]
-            values = [
-                None if r["agent"] in ("oracle", "random") or len(found) == 1 else r["spl"]
-                for r in found
+        # Nothing is best where there is nothing to compare it with.
+        bounds = ("oracle", "random") if len(agents) > 1 else agents
+        best = Best(success_and_spl, without(bounds, "agent", "spl"))
+        columns = pivot(mine, by("difficulty", DIFFICULTIES), by("agent", agents), best)
+        for name, *cells in transposed([agents, *columns]):
+            reported = [
+                (row["paper_success"], row["paper_spl"]) for row in matching(mine, agent=name)
             ]
-            cells = [f"{percent(row['success'])} / {number(row['spl'])}" for row in found]
-            columns.append(with_best_bold(cells, values))
-        for number_of, name in enumerate(agents):
-            paper = [
-                f"{number(row['paper_success'], 2)} / {number(row['paper_spl'], 2)}"
-                for row in (one(mine, agent=name, difficulty=level) for level in DIFFICULTIES)
-                if row["paper_success"] is not None
-            ]
-            cells = [column[number_of] for column in columns]
-            lines.append([AGENTS[name], words, *cells, ", ".join(paper)])
+            lines.append([AGENTS[name], words, *cells, _reported(reported)])
         for name, called in RL.items():
             if (name, sensor) in TABLE1:
-                paper = [f"{success:.2f} / {spl:.2f}" for success, spl in TABLE1[name, sensor]]
-                lines.append([called, words, LATER, "", "", ", ".join(paper)])
+                lines.append([called, words, LATER, "", "", _reported(TABLE1[name, sensor])])
     return table(["agent", "sensor", *DIFFICULTIES, "paper"], lines)
 
 
 def in_time(rows: Rows, signs: str) -> str:
     """Success within fewer steps."""
-    lines = []
-    for name in ("nts", "fbe", "ans_like"):
-        found = [
-            one(rows, agent=name, sensor="rgbd", signs=signs, difficulty=level)
-            for level in DIFFICULTIES
-        ]
-        keys = (*(f"success_{steps}" for steps in AT_STEPS), "success")
-        cells = [" / ".join(percent(row[key]) for key in keys) for row in found]
-        lines.append([AGENTS[name], *cells])
-    return table(["agent", *DIFFICULTIES], lines)
+    keys = (*(f"success_{steps}" for steps in AT_STEPS), "success")
+    shares = " / ".join(f"{{{key}:.1%}}" for key in keys)
+    return listing(
+        _asked(agent=("nts", "fbe", "ans_like"), sensor=("rgbd",), signs=(signs,)),
+        ("agent", _agent),
+        *((level, of(rows, shares, difficulty=level)) for level in DIFFICULTIES),
+    )
 
 
 def spl_gap(
@@ -159,125 +144,182 @@ def spl_gap(
     return results.note(report, what)
 
 
-def _table1_section(results: Results) -> list[str]:
-    rows = results.rows("nts_table1")
-    episodes = rows[0]["episodes"]
-    worlds = results.worlds("nts_table1")
-    easy = one(rows, agent="fbe", sensor="rgbd", signs="plain", difficulty="easy")
-    differences = table(
-        ["NTS - other, SPL", "worlds", *DIFFICULTIES],
-        [
-            [
-                AGENTS[agent],
-                signs,
-                *(spl_gap(results, agent, signs, level) for level in DIFFICULTIES),
-            ]
-            for agent in ("fbe", "ans_like", "nts_no_score", "nts_blind")
-            for signs in SIGNS
-        ],
+def spl_gaps(results: Results) -> str:
+    """Those differences to the agents of Table 1."""
+    return listing(
+        _asked(agent=("fbe", "ans_like", "nts_no_score", "nts_blind"), signs=SIGNS),
+        ("NTS - other, SPL", _agent),
+        ("worlds", "{signs}"),
+        *(
+            (level, lambda row, level=level: spl_gap(results, **row, difficulty=level))
+            for level in DIFFICULTIES
+        ),
     )
-    return [
-        f"Image-goal navigation (Table 1 of Chaplot et al. 2020, *Neural Topological SLAM*): a "
-        f"robot with a panorama in a place that it has never seen, the picture of a goal, 500 "
-        f"actions with measured noise of motion and odometry; success is to stop within 1 m. "
-        f"{episodes} episodes of each difficulty and kind of worlds in {worlds} test worlds, the "
-        f"same for every agent. Cells are success / SPL. All agents but *imitation* and the "
-        f"oracle have NTS's recognition of the goal and its local policy, as in the paper.",
-        "Worlds with signs, whose accents follow the distance along the corridors:",
-        success_and_spl(rows, "wayfinding"),
-        "Plain worlds:",
-        success_and_spl(rows, "plain"),
-        f"In two dimensions a panorama shows much more of a place than a camera does in three: the "
-        f"nearest frontier, which does not know the goal, finds {percent(easy['success'])} of the "
-        f"easy ones. Paired differences on the same episodes, intervals over worlds:",
-        differences,
-        f"Success within {AT_STEPS[0]} / {AT_STEPS[1]} / 500 actions, with signs:",
-        in_time(rows, "wayfinding"),
-        "*Learned choice of frontier* stands for Active Neural SLAM, whose global policy is "
-        "trained by reinforcement; ours is supervised with the true distances. *Imitation* is "
-        "behaviour cloning with a recurrent network. Without depth NTS's learned one stands in; "
-        "the nearest frontier has a row with measured depth only, as in the paper.",
-    ]
 
 
 def bodies(rows: Rows, cars: Rows) -> str:
     """Success and SPL of every agent with a car, and of the round robot beside it."""
-    lines = []
-    for signs in SIGNS:
-        for name in dict.fromkeys(row["agent"] for row in cars):
-            cells = []
-            for level in DIFFICULTIES:
-                key = {"agent": name, "sensor": "rgbd", "signs": signs, "difficulty": level}
-                for row in (one(cars, **key), one(rows, **key)):
-                    cells.append(f"{percent(row['success'])} / {number(row['spl'])}")
-            lines.append([signs, AGENTS[name], *cells])
-    head = [f"{level}, {body}" for level in DIFFICULTIES for body in ("car", "round")]
-    return table(["worlds", "agent", *head], lines)
-
-
-def _car_section(results: Results) -> list[str]:
-    rows, cars = results.rows("nts_table1"), results.rows("nts_table1_car")
-    key = {"agent": "nts", "sensor": "rgbd", "signs": "plain", "difficulty": "medium"}
-    car, body = one(cars, **key), one(rows, **key)
-    turned = results.note("nts_table1_car", "turned at their starts: ")
-    return [
-        f"The same agents in the course's car, which has the panorama and cannot turn in place: "
-        f"instead of an action an agent gives a waypoint, and the motion policy drives to it in "
-        f"pymunk, with three-point turns, for the half second in which the round robot drives one "
-        f"action's 0.25 m; both have 0.5 m/s. {cars[0]['episodes']} episodes a cell, the same as "
-        f"the round robot's; where the car did not fit into a start it was turned ({turned}).",
-        bodies(rows, cars),
-        f"On medium goals NTS in a car succeeds in {percent(car['success'])} and the round robot "
-        f"in {percent(body['success'])}. Its paths are longer (SPL {number(car['spl'])} and "
-        f"{number(body['spl'])}): SPL counts the metres of its turns, to and fro, and a robot "
-        f"that turns in place has none.",
-    ]
+    return listing(
+        _asked(signs=SIGNS, agent=dict.fromkeys(column(cars, "agent")), sensor=("rgbd",)),
+        ("worlds", "{signs}"),
+        ("agent", _agent),
+        *(
+            (f"{level}, {body}", of(found, success_and_spl, difficulty=level))
+            for level in DIFFICULTIES
+            for body, found in {"car": cars, "round": rows}.items()
+        ),
+    )
 
 
 def stop_and_noise(results: Results) -> str:
     """Table 2: the paper's agents and ours, and what each gains in either."""
-    rows, changed = results.rows("nts_table2"), list(CONDITIONS)[1:]
+    changed = list(CONDITIONS)[1:]
+    overall = results.rows("nts_table2", difficulty="overall")
     lines = []
     for agent in ("nts", "ans_like", "fbe", *RL, "il"):
         usual, shares = PAPER_STANDARD[agent], [PAPER[agent, name][-1] for name in changed]
-        cells = [percent(share, 0) for share in (usual, *shares)]
+        cells = [*percents((usual, *shares), 0), *(points(share - usual) for share in shares)]
         called = (AGENTS | RL)[agent]
-        lines.append([called, "the paper", *cells, *(points(share - usual) for share in shares)])
+        lines.append([called, "the paper", *cells])
         if agent in RL:
             lines.append([called, LATER, *[""] * 5])
             continue
-        for signs in SIGNS:
-            overall = matching(rows, agent=agent, signs=signs, difficulty="overall")
-            found = {row["condition"]: row for row in overall}
-            note = f"{agent}, {signs}: {{}} - standard: "
-            gains = [results.note("nts_table2", note.format(name)) for name in changed]
-            cells = [percent(found[name]["success"]) for name in CONDITIONS]
+        asked = by("signs", SIGNS), by("condition", CONDITIONS)
+        here = pivot(matching(overall, agent=agent), *asked, "{success:.1%}")
+        for signs, cells in zip(SIGNS, here, strict=True):
+            gains = [gain_without(results, agent, signs, name) for name in changed]
             lines.append([called, signs, *cells, *gains])
     head = ["agent", "worlds", "standard", "without stop", "without noise"]
     return table([*head, "gain without stop", "gain without noise"], lines)
 
 
-def _table2_section(results: Results) -> list[str]:
-    rows, card = results.rows("nts_table2"), load_card("nts_rgbd").validation
-    return [
-        f"What stopping and what noise cost (Table 2 of Chaplot et al. 2020): success over all "
-        f"difficulties where an episode ends near the goal by itself (a wrong stop still "
-        f"ends it), and where motion and odometry are exact. {results.worlds('nts_table2')} test "
-        f"worlds, {rows[0]['episodes']} episodes of each difficulty.",
-        stop_and_noise(results),
-        f"Both outcomes differ from the paper's. **Stopping** costs NTS 12 points there and none "
-        f"here: no episode fails because a robot at its goal does not stop. On validation worlds "
-        f"F_L has an AUC of {number(card['connection_auc'])} and F_R is wrong by "
-        f"{number(card['distance_error'], 2)} m on average, where success needs 1 m. **Noise** "
-        f"costs the nearest frontier 7 points there and Active Neural SLAM 10, by errors of pose "
-        f"that accumulate (Sec. 6), and no agent much here; why, and why exact motion does worse "
-        f"in places, is not known.",
-    ]
+def gain_without(results: Results, agent: str, signs: str, condition: str) -> str:
+    """What an agent gains without stopping or noise, as the report on Table 2 says it."""
+    return results.note("nts_table2", f"{agent}, {signs}: {condition} - standard: ")
 
 
-SECTIONS = (
-    Section("Scores of directions", ("nts_scores",), _score_section),
-    Section("Table 1: image-goal navigation", ("nts_table1",), _table1_section),
-    Section("Table 1 with a car", ("nts_table1_car",), _car_section),
-    Section("Table 2: stopping and noise", ("nts_table2",), _table2_section),
-)
+def sequences(rows: Rows) -> str:
+    """Success and SPL over goals one after another."""
+    return listing(
+        _asked(signs=SIGNS, agent=("nts", "nts_no_graph", "nts_no_score")),
+        ("agent", _agent),
+        ("worlds", "{signs}"),
+        ("1 goal", of(rows, success_and_spl, goals=1)),
+        *((f"{goals} goals", of(rows, success_and_spl, goals=goals)) for goals in (2, 5, 10)),
+    )
+
+
+def gaps(rows: Rows) -> str:
+    """The gap of NTS to both ablations at one goal and at ten, beside what the paper's does."""
+    paper = {"nts_no_graph": "grows", "nts_no_score": "shrinks"}
+    return listing(
+        _asked(agent=paper, signs=SIGNS),
+        ("NTS - this", _agent),
+        ("worlds", "{signs}"),
+        ("in the paper", lambda row: paper[row["agent"]]),
+        ("success, 1 goal", of(rows, _success_gap, goals=1)),
+        ("success, 10 goals", of(rows, _success_gap, goals=10)),
+        ("SPL, 1 goal", of(rows, "{spl_gap:+.3f}", goals=1)),
+        ("SPL, 10 goals", of(rows, "{spl_gap:+.3f}", goals=10)),
+    )
+
+
+def rules(results: Results) -> str:
+    """Rules of the paper: success / SPL on single goals, and what the course's gain over them."""
+    name = "nts_table1_options"
+
+    def gap(row: Row, level: str) -> str:
+        if row["agent"] == "nts":
+            return ""
+        return spl_gap(results, **row, difficulty=level, report=name)
+
+    return listing(
+        _asked(agent=RULES, signs=SIGNS),
+        ("rule", lambda row: RULES[row["agent"]]),
+        ("worlds", "{signs}"),
+        *_single_goals(results.rows(name)),
+        *(
+            (f"{level}: course's - this, SPL", lambda row, level=level: gap(row, level))
+            for level in DIFFICULTIES
+        ),
+    )
+
+
+def hard_goals(rows: Rows, agent: str) -> str:
+    """Success on hard goals in plain worlds / with signs."""
+    found = [one(rows, agent=agent, signs=signs, difficulty="hard") for signs in SIGNS]
+    return " / ".join(percents(column(found, "success"), 0))
+
+
+def options(single: Rows, sequence: Rows) -> str:
+    """Rules beyond the paper: success / SPL on single goals, and over ten in a row."""
+    gap = "{spl_gap:+.3f} ({spl_gap_low:+.3f} to {spl_gap_high:+.3f})"
+    gap_at_ten = of(sequence, gap, goals=10)
+    return listing(
+        _asked(agent=OPTIONS, signs=SIGNS),
+        ("rule", lambda row: OPTIONS[row["agent"]]),
+        ("worlds", "{signs}"),
+        *_single_goals(single),
+        ("ten goals", of(sequence, success_and_spl, goals=10)),
+        ("SPL: course's - this", lambda row: "" if row["agent"] == "nts" else gap_at_ten(row)),
+    )
+
+
+def second_visit(rows: Rows) -> str:
+    """What a map from the first visit is worth on the second one."""
+    return listing(
+        _asked(signs=SIGNS, goals=GOALS, method=METHODS),
+        ("worlds", "{signs}"),
+        ("goals", lambda row: GOALS[row["goals"]]),
+        ("method", lambda row: METHODS[row["method"]]),
+        ("success", of(rows, success)),
+        ("SPL", of(rows, "{spl:,.3f}")),
+        ("along the map", of(rows, lambda row: percent(row["recalled"], 0))),
+        ("both - this", of(rows, lambda row: "" if row["method"] == "both" else _gain(row))),
+    )
+
+
+def first_ghosts(rows: Rows) -> str:
+    """Which ghost a robot takes first for each of two goals, and what becomes of it."""
+    return listing(
+        matching(rows, figure=10),
+        ("place", lambda row: " ".join(row["world"].split("/")[:2])),
+        ("goal in", "{what}"),
+        ("ghost taken first", "{chosen}"),
+        ("best direction", "{best}"),
+        ("driven", lambda row: f"{row['travelled']:.1f} m" if row["success"] else "missed"),
+    )
+
+
+def ghosts(rows: Rows) -> list[int]:
+    """How many different ghosts the goals of each place make a robot take first."""
+    chosen: dict[str, set[int]] = {}
+    for row in matching(rows, figure=10):
+        chosen.setdefault(row["world"], set()).add(row["chosen"])
+    return [len(different) for different in chosen.values()]
+
+
+def _asked(**values: Iterable[str]) -> Rows:
+    """What lines ask for: all combinations of the values of some columns."""
+    return [dict(zip(values, found, strict=True)) for found in product(*values.values())]
+
+
+def _single_goals(rows: Rows) -> list[tuple[str, Callable[[Row], str]]]:
+    return [(level, of(rows, success_and_spl, difficulty=level)) for level in DIFFICULTIES]
+
+
+def _reported(levels: Iterable[tuple[float | None, float | None]]) -> str:
+    """Success and SPL by difficulty as the paper has them; nothing where it has not."""
+    return ", ".join(f"{success:.2f} / {spl:.2f}" for success, spl in levels if success is not None)
+
+
+def _agent(row: Row) -> str:
+    return AGENTS[row["agent"]]
+
+
+def _gain(row: Row) -> str:
+    return gap_of(row, "gain")
+
+
+def _success_gap(row: Row) -> str:
+    return gap_of(row, "success_gap")

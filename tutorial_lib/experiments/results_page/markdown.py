@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 Row = dict[str, Any]
@@ -26,6 +26,33 @@ def number(value: float | None, digits: int = 3) -> str:
     ('0.968', '')
     """
     return "" if value is None else f"{value:,.{digits}f}"
+
+
+def percents(shares: Sequence[float], digits: int = 1) -> list[str]:
+    """Shares as texts.
+
+    >>> percents([0.5, 0.25])
+    ['50.0%', '25.0%']
+    """
+    return [percent(share, digits) for share in shares]
+
+
+def count(number: float) -> str:
+    """A count as text.
+
+    >>> count(12_000)
+    '12,000'
+    """
+    return f"{number:,}"
+
+
+def brief(value: float) -> str:
+    """A setting as text, with as few digits as it has.
+
+    >>> brief(0.30), brief(2.0)
+    ('0.3', '2')
+    """
+    return f"{value:g}"
 
 
 def interval(row: Row, key: str, low: str = "low", high: str = "high") -> str:
@@ -79,6 +106,24 @@ def listed(items: Sequence[str]) -> str:
     """
     *first, last = items
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def capital(text: str) -> str:
+    """A text with which a sentence begins.
+
+    >>> capital("a path of Meng's")
+    "A path of Meng's"
+    """
+    return f"{text[0].upper()}{text[1:]}"
+
+
+def slashed(texts: Iterable[str]) -> str:
+    """Texts side by side in one cell.
+
+    >>> slashed(["12.0%", "40.0%"])
+    '12.0% / 40.0%'
+    """
+    return " / ".join(texts)
 
 
 def span(values: Sequence[float], digits: int = 1) -> str:

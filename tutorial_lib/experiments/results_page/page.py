@@ -2,143 +2,77 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
-from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
-    ablations,
     aliasing,
-    compared,
-    composing,
     exploring,
     following,
     lifelong,
     local_control,
     maps,
     navigation,
+    papers,
     probability,
     reachability,
-    returning,
     speed,
     worlds,
 )
 from tutorial_lib.experiments.results_page.markdown import link
-from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.section import blaming
 from tutorial_lib.experiments.results_page.sources import Results, load_results
-from tutorial_lib.experiments.results_page.summary import results_in_short
+from tutorial_lib.experiments.results_page.templates import render, render_chapter
 from tutorial_lib.files import make_folder, write_text
-from tutorial_lib.world.worlds import TRAINING_SEEDS
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
 """Around the block of the project's README."""
 PAGE = "tutorial_lib/results/README.md"
 """The page, seen from the project's README."""
-COMMAND = ".venv/bin/python -m tutorial_lib results"
-
-
-@dataclass(frozen=True)
-class Chapter:
-    """Sections under one heading.
-
-    Attributes:
-        title: of the chapter.
-        sections: in order.
-    """
-
-    title: str
-    sections: tuple[Section, ...]
-
-
 CHAPTERS = (
-    Chapter("Local control", (*local_control.SECTIONS, *ablations.SECTIONS)),
-    Chapter("Reachability", reachability.SECTIONS),
-    Chapter("Following a trajectory", following.SECTIONS),
-    Chapter("Maps", maps.SECTIONS),
-    Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
-    Chapter("Probability and faults", probability.SECTIONS),
-    Chapter("Places that look alike", aliasing.SECTIONS),
-    Chapter("Maps that mend themselves", lifelong.SECTIONS),
-    Chapter("Exploring a place never seen", (*exploring.SECTIONS, *returning.SECTIONS)),
-    Chapter("The worlds", worlds.SECTIONS),
-    Chapter("Speed", speed.SECTIONS),
-    Chapter(compared.TITLE, compared.SECTIONS),
+    local_control,
+    reachability,
+    following,
+    maps,
+    navigation,
+    probability,
+    aliasing,
+    lifelong,
+    exploring,
+    worlds,
+    speed,
+    papers,
 )
+"""Modules of their tables; each has a template of its name."""
 
 
 def page_of(results: Results) -> str:
-    """The page in Markdown."""
-    parts = [introduction(results), contents()]
-    for chapter in CHAPTERS:
-        parts.append(f"## {chapter.title}")
-        parts += [section.text(results) for section in chapter.sections]
+    """The page in Markdown.
+
+    Raises:
+        InputError: naming a report of a quick run, or one that is damaged.
+    """
+    if quick := [report.name for report in results.reports.values() if report.quick]:
+        raise InputError(f"{', '.join(quick)}: a quick run; run it again without --quick")
+    chapters = "\n\n".join(render_chapter(results, tables)[0] for tables in CHAPTERS)
+    parts = [render(results, "introduction"), contents(chapters), chapters]
     return "\n\n".join(parts) + "\n"
 
 
-def introduction(results: Results) -> str:
-    """What holds for all sections."""
-    reports = results.reports.values()
-    seeds = sorted({report.seed for report in reports})
-    quick = [report.name for report in reports if report.quick]
-    if quick:
-        raise InputError(f"{', '.join(quick)}: a quick run; run it again without --quick")
-    return "\n\n".join(
-        [
-            "# Results",
-            f"This page is made from the JSON files beside it by `{COMMAND}`. Each section has "
-            f"the command that measures its numbers again, and the time that it took on a small "
-            f"server with two cores, which also had other work at times.",
-            f"**Protocol and worlds.** Where a table or figure of Meng 2020 (*Scaling Local "
-            f"Control to Large-Scale Topological Navigation*) or of Chaplot et al. 2020 (*Neural "
-            f"Topological SLAM for Visual Navigation*) is named, the protocol is the paper's, but "
-            f"the world is easier: 2D floor plans, images by raycasting, a simulated robot. The "
-            f"papers' numbers stand beside ours for orientation; only rows of one table can be "
-            f"compared. Test worlds have seeds from {WORLDS[0]:,} on; networks are trained "
-            f"in seeds below {TRAINING_SEEDS.stop:,}, and thresholds and calibrations chosen in "
-            f"validation worlds between the two. Nothing is tuned on the test worlds or on Nav2's "
-            f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
-            f"Each network was trained once: intervals do not hold the variation from one "
-            f"training to the next. Every table and figure of the papers, whether what is measured "
-            f"here agrees, and what is ours: {link(compared.TITLE)}.",
-            "**Names.** *C* is local control with k images of context on either side of the "
-            "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
-            "is built here, *NTS* that of Chaplot et al. 2020; *SPTM* (Savinov 2018) is the first "
-            "paper's baseline, *random* knows nothing and the *oracle* the floor plan, its pose "
-            "and the goal's.",
-            "**Intervals** in brackets are of 95 %. Over ten worlds or more they are bootstrapped "
-            "over worlds; for one world they are Wilson's, over trials. For three or five worlds "
-            "together, too few for a bootstrap, the count is given, or each world. Where all "
-            "worlds have the same share the bootstrap has no width, and the interval is left out. "
-            "**Bold** is the best of its kind in a column or row; oracles and bounds take no "
-            "part, and a bold number need not differ from the next one by more than chance.",
-        ]
-    )
-
-
-def contents() -> str:
-    """The table of contents."""
-    lines = []
-    for chapter in CHAPTERS:
-        lines.append(f"- {link(chapter.title)}")
-        lines += [f"  - {link(section.title)}" for section in chapter.sections]
-    return "\n".join(lines)
+def contents(chapters: str) -> str:
+    """The table of contents: links to all headings of the chapters."""
+    headings = re.findall(r"^##(#?) (.*)$", chapters, re.MULTILINE)
+    return "\n".join(f"{'  ' if deeper else ''}- {link(title)}" for deeper, title in headings)
 
 
 def block_of(results: Results) -> str:
     """The block of the project's README, markers included."""
-    lines = [
-        BEGIN,
-        results_in_short(results),
-        "",
-        f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
-        f"it. The world is easier than the paper's.",
-        END,
-    ]
-    return "\n".join(lines)
+    with blaming(results):
+        return f"{BEGIN}\n{render(results, 'in_short')}\n{END}"
 
 
 def with_block(readme: str, block: str) -> str:

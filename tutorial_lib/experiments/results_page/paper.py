@@ -1,29 +1,23 @@
 """Numbers that Meng 2020 reports, beside which ours are put; those of Table I are in its rows."""
 
-AREAS = (460, 207, 270, 403, 205)
-"""Square metres of the five test environments of Table II."""
-IMAGES = (30_342, 31_167, 28_679, 39_788, 33_617)
-"""Recorded in each of them."""
-SUCCESS = {
-    "meng": (0.869, 0.943, 0.912, 0.846, 0.957),
-    "sptm": (0.481, 0.402, 0.456, 0.513, 0.472),
-}
-"""Share of 1,000 trials in each of them (Table II)."""
+_MAP = ("success", "vertices", "edges")
+_COLUMNS = ("area", "images", *(f"{method}_{key}" for method in ("meng", "sptm") for key in _MAP))
+TABLE_2 = [
+    dict(zip(_COLUMNS, values, strict=True))
+    for values in (
+        (460, 30_342, 0.869, 974, 1_482, 0.481, 1_648, 3_201),
+        (207, 31_167, 0.943, 900, 1_348, 0.402, 1_688, 3_668),
+        (270, 28_679, 0.912, 901, 1_467, 0.456, 1_560, 3_960),
+        (403, 39_788, 0.846, 1_454, 2_275, 0.513, 2_116, 4_115),
+        (205, 33_617, 0.957, 909, 1_524, 0.472, 1_808, 4_756),
+    )
+]
+"""Test environments in square metres, images recorded, success and maps of both methods."""
 TRIALS = 1_000
-VERTICES = {
-    "meng": (974, 900, 901, 1_454, 909),
-    "sptm": (1_648, 1_688, 1_560, 2_116, 1_808),
-}
-EDGES = {
-    "meng": (1_482, 1_348, 1_467, 2_275, 1_524),
-    "sptm": (3_201, 3_668, 3_960, 4_115, 4_756),
-}
-"""Of their maps."""
+"""In each of them."""
 P_REUSE = 0.99
 """RE above which a vertex is reused (IV-C)."""
 TRAJECTORIES = 500
 """Followed in Fig. 7."""
-COVERED = {True: 0.95, False: 0.90}
+COVERED = {"context": 0.95, "none": 0.90}
 """Cover rate of controllers with context, at least, and without it, at most (IV-B)."""
-REAL_CAR = {"trajectories": 7, "images": 3_200, "vertices": 206, "edges": 215}
-"""Of the real car (IV-D)."""

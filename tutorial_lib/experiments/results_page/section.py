@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from tutorial_lib.errors import InputError
@@ -20,38 +22,74 @@ class Section:
 
     Attributes:
         title: of the section.
-        sources: names of the reports that it shows.
-        paragraphs: of its text: what is measured, then tables and remarks.
-        reads: names of other reports, whose commands stand in other sections.
+        sources: names of the reports whose commands it shows.
+        text: of the section in Markdown, heading included.
     """
 
     title: str
     sources: tuple[str, ...]
-    paragraphs: Callable[[Results], list[str]]
-    reads: tuple[str, ...] = ()
+    text: str
 
-    def text(self, results: Results) -> str:
-        """The section in Markdown; the commands, if it has any, stand below its first paragraph.
 
-        Raises:
-            InputError: naming the reports, if one lacks a row, a column or a note.
-        """
-        try:
-            measured, *found = self.paragraphs(results)
-        except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
-            names = (*self.sources, *self.reads)
-            files = ", ".join(f"{name}.json" for name in names)
-            advice = "; ".join(remedy(name) for name in names)
-            raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
-        return "\n\n".join([f"### {self.title}", measured, *self._commands(results), *found])
+def section_of(
+    results: Results, title: str, sources: tuple[str, ...], body: Callable[[], str]
+) -> Section:
+    """A section, with the commands of its sources, if it has any, below its first paragraph.
 
-    def _commands(self, results: Results) -> list[str]:
-        """One block of the commands; none without a command."""
-        lines = [
-            f"{command_of(name)}   # {duration(report.seconds)}{mark_of(report)}"
-            for name, report in ((name, results.reports[name]) for name in self.sources)
-        ]
-        return ["\n".join(["```sh", *lines, "```"])] if lines else []
+    Args:
+        results: the reports.
+        title: of the section.
+        sources: names of the reports that it shows.
+        body: makes the section's text in Markdown, without heading and commands.
+
+    Raises:
+        InputError: naming the reports that were read, if one lacks a row, a column or a note.
+    """
+    with blaming(results, sources):
+        measured, *found = paragraphs(body())
+    text = "\n\n".join([f"### {title}", measured, *_commands(results, sources), *found])
+    return Section(title, sources, text)
+
+
+@contextmanager
+def blaming(results: Results, sources: tuple[str, ...] = ()) -> Iterator[None]:
+    """Reports that are read within are to blame for what goes wrong there.
+
+    Args:
+        results: the reports.
+        sources: names of those to be named first.
+
+    Raises:
+        InputError: naming the reports and their commands, if one lacks a row, a column or a note.
+    """
+    results.read.clear()
+    try:
+        yield
+    except InputError:
+        raise
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        names = tuple(dict.fromkeys((*sources, *results.read)))
+        files = ", ".join(f"{name}.json" for name in names)
+        advice = "; ".join(remedy(name) for name in names)
+        raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
+
+
+def paragraphs(text: str) -> list[str]:
+    r"""What empty lines divide.
+
+    >>> paragraphs("one\n\n\n| two |\n|---|\n")
+    ['one', '| two |\n|---|']
+    """
+    return re.split(r"\n\n+", text.strip("\n"))
+
+
+def _commands(results: Results, names: tuple[str, ...]) -> list[str]:
+    """One block of the commands; none without a command."""
+    lines = [
+        f"{command_of(name)}   # {duration(report.seconds)}{mark_of(report)}"
+        for name, report in ((name, results.reports[name]) for name in names)
+    ]
+    return ["\n".join(["```sh", *lines, "```"])] if lines else []
 
 
 def mark_of(report: Report) -> str:

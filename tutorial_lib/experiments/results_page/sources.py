@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,8 @@ from tutorial_lib.experiments.common.report import Report, Rows
 from tutorial_lib.experiments.common.results import FOLDER, load_result
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
 from tutorial_lib.experiments.protocols.navigation import CLIP, ONE
-from tutorial_lib.experiments.results_page.markdown import Row
+from tutorial_lib.experiments.results_page.markdown import Row, percent
+from tutorial_lib.experiments.results_page.tables import matching, one
 
 MAPS = ("depot", "tb3_sandbox", "warehouse")
 """Occupancy grids that come with Nav2 (`nav2_bringup/maps`)."""
@@ -118,22 +119,55 @@ class Results:
 
     Attributes:
         reports: by name.
+        read: names of those that were asked for, in order.
     """
 
     reports: Mapping[str, Report]
+    read: list[str] = field(default_factory=list)
 
-    def rows(self, name: str) -> Rows:
-        """The rows of a report."""
-        return self.reports[name].rows
+    def report(self, name: str) -> Report:
+        """A report, which counts as read.
+
+        Raises:
+            InputError: unless there is one of that name.
+        """
+        if name not in self.reports:
+            raise InputError(f"{name}: the page has no such report")
+        self.read.append(name)
+        return self.reports[name]
+
+    def rows(self, name: str, **values: Any) -> Rows:  # noqa: ANN401 - any value of a row
+        """The rows of a report that have those values."""
+        return matching(self.report(name).rows, **values)
+
+    def row(self, name: str, **values: Any) -> Row:  # noqa: ANN401 - any value of a row
+        """The only row of a report that has those values."""
+        return one(self.report(name).rows, **values)
+
+    def success(self, name: str, **values: Any) -> str:  # noqa: ANN401 - any value of a row
+        """The share that succeeded in the only row of a report that has those values."""
+        return percent(self.row(name, **values)["success"])
+
+    def on_maps(self, name: str) -> dict[str, Rows]:
+        """The rows of the reports that measured the same on maps from Nav2, by map."""
+        return {place: self.rows(f"{name}_{place}") for place in MAPS}
+
+    def on_each_map(self, name: str, **values: Any) -> list[str]:  # noqa: ANN401
+        """The shares that succeeded in the only rows on those maps that have those values."""
+        return [self.success(f"{name}_{place}", **values) for place in MAPS]
 
     def worlds(self, name: str) -> int:
         """The number of worlds of a report."""
-        return len(self.reports[name].worlds)
+        return len(self.report(name).worlds)
 
-    def note(self, name: str, beginning: str) -> str:
-        """What a report notes behind those words, which end with a space."""
-        notes = [note for note in self.reports[name].notes if note.startswith(beginning)]
+    def note(self, name: str, beginning: str = "") -> str:
+        """What the first note of a report that begins with those words says behind them."""
+        notes = [note for note in self.notes(name) if note.startswith(beginning)]
         return notes[0].removeprefix(beginning)
+
+    def notes(self, name: str) -> tuple[str, ...]:
+        """All notes of a report."""
+        return self.report(name).notes
 
 
 def goal_words(rows: Rows) -> str:
@@ -174,20 +208,3 @@ def command_of(name: str) -> str:
 def remedy(name: str) -> str:
     """What to do about a report that is missing or damaged."""
     return "restore it" if name in RETIRED else f"make it with: {command_of(name)}"
-
-
-def matching(rows: Rows, **values: Any) -> Rows:  # noqa: ANN401 - any value of a row
-    """The rows that have those values."""
-    return [row for row in rows if all(row[key] == value for key, value in values.items())]
-
-
-def one(rows: Rows, **values: Any) -> Row:  # noqa: ANN401 - any value of a row
-    """The only row that has those values.
-
-    Raises:
-        LookupError: when there is none, or there are several.
-    """
-    found = matching(rows, **values)
-    if len(found) != 1:
-        raise LookupError(f"{len(found)} rows with {values}")
-    return found[0]

@@ -5,20 +5,23 @@ from pathlib import Path
 
 import pytest
 
-from tests.experiments.results_page.tables import cells
+from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report
-from tutorial_lib.experiments.results_page import compared, compared_meng, compared_nts
-from tutorial_lib.experiments.results_page.departures import Departure, departures
-from tutorial_lib.experiments.results_page.departures_meng import MENG
-from tutorial_lib.experiments.results_page.departures_nts import NTS
+from tutorial_lib.experiments.results_page import exploring, papers
 from tutorial_lib.experiments.results_page.markdown import table
 from tutorial_lib.experiments.results_page.page import page_of
-from tutorial_lib.experiments.results_page.sources import Results, load_results, matching, one
+from tutorial_lib.experiments.results_page.sources import Results, load_results
+from tutorial_lib.experiments.results_page.tables import matching, one
+from tutorial_lib.experiments.results_page.templates import render_chapter
 
 RESULTS = load_results()
-PAGE = Path(compared.__file__).parents[2] / "results"
+PAGE = Path(papers.__file__).parents[2] / "results"
 TEXT = page_of(RESULTS)
+CHAPTER = "Papers and course"
+_, SECTIONS = render_chapter(RESULTS, papers)
+COMPARED, OURS = SECTIONS[::2], SECTIONS[1::2]
+DEPARTURES = [line for found in OURS for line in found.text.splitlines() if line[:2] == "- "]
 SIGNS = ("plain", "wayfinding")
 
 
@@ -34,19 +37,24 @@ def names(lines):
     return found
 
 
+def lines(title):
+    """The lines of the table of one section."""
+    (found,) = [found for found in SECTIONS if found.title.startswith(title)]
+    _, *rows = cells(found.text.split("\n\n")[2])
+    return rows
+
+
 def test_every_table_and_figure_of_both_papers_has_a_row():
-    meng, nts = (module.lines(RESULTS) for module in (compared_meng, compared_nts))
+    meng, nts = lines("Meng"), lines("Chaplot")
     assert names(meng) == {"Table I", "Table II", *(f"Fig. {n}" for n in range(1, 14))}
     assert names(nts) == {"Table 1", "Table 2", *(f"Fig. {n}" for n in range(1, 15))}
     for line in (*meng, *nts):
-        assert len(line) == len(compared.HEAD)
-        assert line[3] or line[2] == compared_nts.LATER
+        assert len(line) == 4
+        assert line[3] or line[2] == exploring.LATER
 
 
 def test_a_row_has_what_the_paper_reports_and_what_was_measured():
-    rows = {
-        line[0].partition("]")[0].removeprefix("["): line for line in compared_nts.lines(RESULTS)
-    }
+    rows = {line[0].partition("]")[0].removeprefix("["): line for line in lines("Chaplot")}
     assert rows["Table 1, NTS, RGBD"][1] == "87%, 58%, 43%"
     assert rows["Table 2, without noise, learned choice of frontier"][1] == "+10.0 points"
     levels = [
@@ -57,10 +65,10 @@ def test_a_row_has_what_the_paper_reports_and_what_was_measured():
     assert rows["Table 1, NTS, RGBD"][2].startswith(f"{mine} / ")
     assert rows["Table 2, without stop, target-driven RL"][1:] == [
         "+19.0 points",
-        compared_nts.LATER,
+        exploring.LATER,
         "",
     ]
-    (car,) = [line for line in compared_meng.lines(RESULTS) if "IV-D" in line[0]]
+    (car,) = [line for line in lines("Meng") if "IV-D" in line[0]]
     for number in ("7 trajectories", "3,200 images", "206 vertices", "215 edges"):
         assert number in car[1]
     depot = one(RESULTS.rows("meng_table2_depot"), method="meng")
@@ -143,27 +151,36 @@ def test_what_is_said_of_the_papers_rules_holds_of_the_stored_rows():
         assert gap("nts_no_ghost_nodes", signs, "hard") > 0.2
 
 
+def test_what_is_said_of_ltvn_holds_of_the_stored_rows():
+    first = RESULTS.rows("ltvn_lifelong", block=0, family="others", perception="network")
+    ltvn, sptm, ving, meng = (one(first, agent=name) for name in ("frozen", "sptm", "ving", "meng"))
+    assert meng["vertices"] < ltvn["vertices"] < min(sptm["vertices"], ving["vertices"])
+    assert ltvn["success"] > max(sptm["success"], ving["success"])
+
+
 def test_a_departure_says_where_it_is_and_links_to_its_rows():
-    one_of = Departure("III-F", "so and so", ("topology/planner.py", "06"), "Fig. 8: whole maps")
-    assert departures([one_of]) == (
-        "- III-F: so and so ([planner.py](../topology/planner.py) and "
+    assert papers.where("topology/planner.py", "06", measured="Fig. 8: whole maps") == (
+        "[planner.py](../topology/planner.py) and "
         "[06](../../notebooks/06_probabilistic_planning.ipynb); "
-        "[Fig. 8: whole maps](#fig-8-whole-maps))."
+        "[Fig. 8: whole maps](#fig-8-whole-maps)"
     )
-    assert departures([Departure("B", "so", ("agents/nts.py",))]).endswith("/agents/nts.py)).")
+    assert papers.where("agents/nts.py") == "[nts.py](../agents/nts.py)"
 
 
-@pytest.mark.parametrize("one_of", [*MENG, *NTS], ids=lambda one_of: one_of.what[:40])
-def test_what_is_ours_leads_to_files_and_headings_that_exist(one_of):
-    text, headings = departures([one_of]), re.findall(r"^#+ (.*)$", TEXT, re.MULTILINE)
-    assert not one_of.measured or one_of.measured in headings
-    for target in re.findall(r"\]\(([^)#]+)\)", text):
+@pytest.mark.parametrize("line", DEPARTURES, ids=lambda line: line[:60])
+def test_what_is_ours_leads_to_files_and_headings_that_exist(line):
+    headings = re.findall(r"^#+ (.*)$", TEXT, re.MULTILINE)
+    files = re.findall(r"\]\(([^)#]+)\)", line)
+    assert files
+    for target in files:
         assert (PAGE / target).is_file(), target
+    for title in re.findall(r"\[([^]]*)\]\(#", line):
+        assert title in headings
 
 
 def test_each_link_of_the_chapter_leads_to_a_heading():
     contents = dict(re.findall(r"^ *- \[(.*)\]\(#(.*)\)$", TEXT, re.MULTILINE))
-    links = re.findall(r"\]\(#([^)]*)\)", TEXT.partition(f"\n## {compared.TITLE}\n")[2])
+    links = re.findall(r"\]\(#([^)]*)\)", TEXT.partition(f"\n## {CHAPTER}\n")[2])
     assert len(links) > 40
     assert set(links) <= set(contents.values())
 
@@ -172,12 +189,11 @@ def test_a_damaged_row_is_named_with_its_command():
     rows = [row for row in RESULTS.rows("nts_fig8") if row["goals"] != 10]
     report = Report("nts_fig8", 0, (1,), False, 1.0, rows, ())
     with pytest.raises(InputError, match=r"nts_fig8\.json.*: damaged.*experiment nts_fig8 "):
-        compared.SECTIONS[2].text(Results({**RESULTS.reports, "nts_fig8": report}))
+        section(papers, COMPARED[1].title, Results({**RESULTS.reports, "nts_fig8": report}))
 
 
 def test_sections_without_a_command_have_no_block_and_tables_are_whole():
-    for section in compared.SECTIONS:
-        text = section.text(RESULTS)
+    for text in (found.text for found in SECTIONS):
         assert "```" not in text
         for part in text.split("\n\n"):
             if part.startswith("|"):

@@ -1,0 +1,175 @@
+"""Rows of a report, and tables that are made of them by short specifications."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.results_page.markdown import (
+    Row,
+    counted,
+    interval,
+    table,
+    with_best_bold,
+)
+
+Text = str | Callable[[Any], str]
+"""What a cell says of a row: a format of its columns, as in "{edges:,} edges", or a function."""
+
+
+@dataclass(frozen=True)
+class Best:
+    """What the cells of a column say, the best of which is bold.
+
+    Attributes:
+        text: of a row.
+        key: of its value in the row, or a function; a None takes no part.
+        least: whether the least value is the best.
+    """
+
+    text: Text
+    key: str | Callable[[Row], float | None]
+    least: bool = False
+
+    def value(self, row: Row) -> float | None:
+        """By which rows are compared."""
+        return row[self.key] if isinstance(self.key, str) else self.key(row)
+
+
+def matching(rows: Rows, **values: Any) -> Rows:  # noqa: ANN401 - any value of a row
+    """The rows that have those values."""
+    return [row for row in rows if all(row[key] == value for key, value in values.items())]
+
+
+def one(rows: Rows, **values: Any) -> Row:  # noqa: ANN401 - any value of a row
+    """The only row that has those values.
+
+    Raises:
+        LookupError: when there is none, or there are several.
+    """
+    found = matching(rows, **values)
+    if len(found) != 1:
+        raise LookupError(f"{len(found)} rows with {values}")
+    return found[0]
+
+
+def column(rows: Rows, key: str) -> list[Any]:
+    """The values of a column.
+
+    >>> column([{"world": 3}, {"world": 4}], "world")
+    [3, 4]
+    """
+    return [row[key] for row in rows]
+
+
+def total(rows: Rows, method: str) -> Row:
+    """Trials and success of a method in all worlds together."""
+    found = matching(rows, method=method)
+    trials = sum(row["trials"] for row in found)
+    succeeded = sum(round(row["success"] * row["trials"]) for row in found)
+    return {"method": method, "trials": trials, "success": succeeded / trials}
+
+
+def named(rows: Rows, key: str, names: Mapping[Any, str], **values: Any) -> Rows:  # noqa: ANN401
+    """The only row for each name in a column, in the order of the names, with its words as `name`.
+
+    >>> named([{"fault": "blocked"}], "fault", {"blocked": "path blocked"})
+    [{'fault': 'blocked', 'name': 'path blocked'}]
+    """
+    return [one(rows, **{key: name}, **values) | {"name": words} for name, words in names.items()]
+
+
+def without(bounds: Collection[str], name: str, key: str) -> Callable[[Row], float | None]:
+    """By what rows are compared: the value of a column, for all but those with some names.
+
+    >>> judged = without(("oracle",), "agent", "success")
+    >>> judged({"agent": "oracle", "success": 1.0}), judged({"agent": "meng", "success": 0.5})
+    (None, 0.5)
+    """
+    return lambda row: None if row[name] in bounds else row[key]
+
+
+def success(row: Row) -> str:
+    """The share that succeeded, with its interval."""
+    return interval(row, "success")
+
+
+def success_count(row: Row) -> str:
+    """The share of trials that succeeded, with their count."""
+    return counted(row["success"], row["trials"])
+
+
+def success_and_spl(row: Row) -> str:
+    """The share that succeeded, and SPL.
+
+    >>> success_and_spl({"success": 0.9, "spl": 0.8123})
+    '90.0% / 0.812'
+    """
+    return "{success:.1%} / {spl:,.3f}".format_map(row)
+
+
+def listing(rows: Iterable[Row], *columns: tuple[str, Text | Best]) -> str:
+    """A table with a line for each row; a column is a head and what its cells say.
+
+    >>> rows = [{"world": 3, "share": 0.5}, {"world": 4, "share": 0.25}]
+    >>> print(listing(rows, ("world", "{world}"), ("success", Best("{share:.0%}", "share"))))
+    | world | success |
+    |---|---|
+    | 3 | **50%** |
+    | 4 | 25% |
+    """
+    return table([head for head, _ in columns], lines_of(rows, *columns))
+
+
+def lines_of(rows: Iterable[Row], *columns: tuple[str, Text | Best]) -> list[list[str]]:
+    """The lines of a listing, without its head."""
+    rows = list(rows)
+    return transposed([_cells(rows, spec) for _, spec in columns])
+
+
+def pivot(rows: Rows, lines: Sequence[Row], across: Sequence[Row], text: Text) -> list[list[str]]:
+    """Cells whose line and column say together which row they tell of.
+
+    >>> rows = [{"world": w, "frames": n, "vertices": w + n} for w in (3, 4) for n in (10, 20)]
+    >>> pivot(rows, by("world", (3, 4)), by("frames", (10, 20)), "{vertices}")
+    [['13', '23'], ['14', '24']]
+    """
+    return [_cells([one(rows, **line, **keys) for keys in across], text) for line in lines]
+
+
+def of(rows: Rows, text: Text, **values: Any) -> Callable[[Row], str]:  # noqa: ANN401
+    """What a cell says of the only row that has all values of its line, and these.
+
+    >>> steps = of([{"agent": "nts", "goals": 10, "spl": 0.5}], "{spl:.2f}", goals=10)
+    >>> steps({"agent": "nts"})
+    '0.50'
+    """
+    return lambda line: said(text, one(rows, **line, **values))
+
+
+def said(text: Text, row: Row) -> str:
+    """What a cell says of a row."""
+    return text.format_map(row) if isinstance(text, str) else text(row)
+
+
+def by(key: str, values: Iterable[Any]) -> list[Row]:
+    """What lines or columns ask for: each of some values of a column.
+
+    >>> by("method", ("meng", "sptm"))
+    [{'method': 'meng'}, {'method': 'sptm'}]
+    """
+    return [{key: value} for value in values]
+
+
+def transposed(cells: Iterable[Iterable[str]]) -> list[list[str]]:
+    """Lines of columns, or columns of lines."""
+    return [list(line) for line in zip(*cells, strict=True)]
+
+
+def _cells(rows: Rows, spec: Text | Best) -> list[str]:
+    if isinstance(spec, Best):
+        values = [spec.value(row) for row in rows]
+        return with_best_bold(_cells(rows, spec.text), values, spec.least)
+    return [said(spec, row) for row in rows]

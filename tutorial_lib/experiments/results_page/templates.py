@@ -1,0 +1,118 @@
+"""The templates of the page: prose in Markdown, whose numbers are short expressions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from statistics import fmean
+from traceback import extract_tb
+from types import ModuleType
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, TemplateError
+from jinja2.utils import missing
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.results import FOLDER
+from tutorial_lib.experiments.results_page import paper
+from tutorial_lib.experiments.results_page.library import LIBRARY
+from tutorial_lib.experiments.results_page.markdown import (
+    brief,
+    capital,
+    count,
+    link,
+    listed,
+    number,
+    percent,
+    percents,
+    points,
+    slashed,
+    span,
+)
+from tutorial_lib.experiments.results_page.section import Section, section_of
+from tutorial_lib.experiments.results_page.sources import MAPS, Results, goal_words
+from tutorial_lib.experiments.results_page.tables import (
+    column,
+    listing,
+    matching,
+    one,
+    total,
+)
+from tutorial_lib.world.worlds import TRAINING_SEEDS
+
+TEMPLATES = FOLDER / "page"
+FUNCTIONS = (
+    *(brief, capital, column, count, goal_words, link, listed, listing, matching, number),
+    *(one, percent, percents, points, slashed, span, total),
+    *(math.ceil, math.degrees, math.floor, max, min, sum),
+)
+"""What every template may call, besides `mean` and what it asks of the reports."""
+
+
+class Missing(StrictUndefined):
+    """A column that a row lacks is the report's fault; a name that is not there the template's."""
+
+    def __init__(self, *given: Any, obj: Any = missing, **more: Any) -> None:  # noqa: ANN401
+        super().__init__(*given, obj=obj, **more)
+        if isinstance(obj, dict | list):
+            raise LookupError(self._undefined_message)
+
+
+ENVIRONMENT = Environment(
+    loader=FileSystemLoader(TEMPLATES), undefined=Missing, trim_blocks=True, lstrip_blocks=True
+)
+ENVIRONMENT.globals |= LIBRARY | {function.__name__: function for function in FUNCTIONS}
+ENVIRONMENT.globals |= {
+    "MAPS": MAPS,
+    "TRAINING_SEEDS": TRAINING_SEEDS,
+    "mean": fmean,
+    "paper": paper,
+}
+
+
+def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
+    """What a template says of the reports.
+
+    Args:
+        results: the reports.
+        name: of the template, without its endings.
+        more: what it may use besides.
+
+    Raises:
+        InputError: naming the template and the line, if it is not valid.
+    """
+    file = f"{name}.md.j2"
+    asked = (
+        *(results.rows, results.row, results.success, results.on_maps, results.on_each_map),
+        *(results.note, results.notes, results.worlds),
+    )
+    given = {method.__name__: method for method in asked} | {"results": results} | more
+    try:
+        return ENVIRONMENT.get_template(file).render(given).strip("\n")
+    except TemplateError as error:
+        places = extract_tb(error.__traceback__)
+        lines = [place.lineno for place in places if not place.filename.endswith(".py")]
+        line = getattr(error, "lineno", None) or (lines or [1])[-1]
+        raise InputError(f"{TEMPLATES / file}, line {line}: {error}") from error
+
+
+def render_chapter(
+    results: Results, tables: ModuleType, only: str = ""
+) -> tuple[str, list[Section]]:
+    """A chapter, and its sections.
+
+    Args:
+        results: the reports.
+        tables: the module of the chapter's tables, which has the name of its template.
+        only: the title of a section, if no other is to be made.
+    """
+    found: list[Section] = []
+
+    def section(title: str, *sources: str, caller: Callable[[], str]) -> str:
+        if only not in ("", title):
+            return ""
+        found.append(section_of(results, title, sources, caller))
+        return f"{found[-1].text}\n"
+
+    name = tables.__name__.rpartition(".")[2]
+    return render(results, name, tables=tables, section=section), found
