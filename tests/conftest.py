@@ -54,7 +54,7 @@ def pytest_cmdline_main(config):
         option.maxprocesses = option.maxprocesses or MOST_WORKERS
     if option.numprocesses and option.dist == "no":
         option.dist = "loadfile"
-        option.maxworkerrestart = option.maxworkerrestart or "0"  # a crash ends the run, and is told
+        option.maxworkerrestart = option.maxworkerrestart or "0"  # a crash ends the run
 
 
 def pytest_configure(config):
