@@ -176,14 +176,20 @@ def _partly(
 
     Answers that are all 0 or infinite are those of many mistakes, and say nothing.
     """
-    wrong = [got for case, got in given if not same(got, right(*case), *case)]
+    fine = [same(got, right(*case), *case) for case, got in given]
+    wrong = [got for (_, got), is_right in zip(given, fine, strict=True) if not is_right]
     best, fewest = "", len(given) if telling(wrong) else 0
     for words, fault in faults.items():
         with suppress(Exception), np.errstate(all="ignore"):
-            unlike = [one for one in given if not same(one[1], fault(*one[0]), *one[0])]
-            innocent = all(same(got, right(*case), *case) for case, got in unlike)
-            if innocent and len(unlike) < fewest:
-                best, fewest = f". In part of the cases: {words}", len(unlike)
+            unlike = 0
+            for (case, got), is_right in zip(given, fine, strict=True):
+                if not same(got, fault(*case), *case):
+                    unlike += 1
+                    if unlike >= fewest or not is_right:  # it cannot be the best any more
+                        break
+            else:
+                if unlike < fewest:
+                    best, fewest = f". In part of the cases: {words}", unlike
     return best
 
 
