@@ -48,7 +48,7 @@ def _in_a_folder_of_its_own(tmp_path, tmp_path_factory, monkeypatch):
 def test_the_demo_navigates_by_sight_beside_an_oracle_on_the_same_task(
     tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.setattr(recorder, "EVERY", 10)  # fewer frames
+    monkeypatch.setattr(recorder, "EVERY", 20)  # fewer frames
     assert main(["demo", "--oracle"]) == 0
     saved = json.loads((tmp_path / "demo.json").read_text())
     for drive in (saved, saved["oracle"]):
@@ -59,7 +59,7 @@ def test_the_demo_navigates_by_sight_beside_an_oracle_on_the_same_task(
     assert 0.5 < saved["probability"] < 1.0
     assert saved["edges"] > saved["vertices"] > 20
     film = cv2.VideoCapture(str(tmp_path / "demo.webm"))
-    assert film.get(cv2.CAP_PROP_FRAME_COUNT) > saved["seconds"]
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) > saved["seconds"] / 2
     high, wide, _ = film.read()[1].shape
     assert wide > 3 * high  # two dashboards
     assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
@@ -82,6 +82,7 @@ def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path, monkeypatch, capsys):
     text = "image: hall.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
     (tmp_path / "hall.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
     monkeypatch.setattr(navigation_demo, "PLACES", 3)
+    monkeypatch.setattr(recorder, "EVERY", 20)
     shipped = {file: file.read_bytes() for file in SHIPPED.iterdir()}
     code = main(["demo", "--map", "hall.yaml", "--learn"])
     saved = json.loads((tmp_path / "demo.json").read_text())

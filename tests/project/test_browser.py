@@ -13,7 +13,7 @@ import pytest
 from tests.project.browser import FLAGS, Lab, NotebookPage, find_browser, is_foreign
 
 PROJECT = Path(__file__).resolve().parents[2]
-ALWAYS = ("00_start_here", "01_world_and_car")
+ALWAYS = ("01_world_and_car",)
 NOTEBOOKS = sorted({*ALWAYS, *(file.stem for file in (PROJECT / "notebooks").glob("*.ipynb"))})
 
 DRIVES = r"""

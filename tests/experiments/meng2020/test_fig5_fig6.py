@@ -288,8 +288,8 @@ def test_fig_6_numbers_nine_places_of_one_trajectory(box, monkeypatch):
 
 @needs("reach_k2", "reach_k5", "reach_laser")
 def test_fig_5_runs_on_a_validation_world(monkeypatch):
-    monkeypatch.setattr(following, "CARS", 8)
-    few = replace(fig5.EXPERIMENT, settings=fig5.Settings(trajectories=2))
+    monkeypatch.setattr(following, "CARS", 4)
+    few = replace(fig5.EXPERIMENT, settings=fig5.Settings(trajectories=1))
     with joblib.parallel_config(backend="sequential"):
         report = few.report(Options(worlds=(10_001,)))
     assert [row["context"] for row in report.rows] == ["k2", "k5", "laser"]
