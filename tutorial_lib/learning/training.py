@@ -99,7 +99,7 @@ def train(
     if init_from is not None:
         copy_matching_weights(fresh, init_from)
     initial = "" if init_from is None else digest_of(init_from)
-    state = _State(fresh, settings, source, initial, objective)
+    state = _State(fresh, architecture, settings, source, initial, objective)
     if checkpoint is not None:
         make_folder(checkpoint.parent)
         if checkpoint.exists():
@@ -140,6 +140,7 @@ class _State:
     def __init__(
         self,
         network: nn.Module,
+        architecture: Any,  # noqa: ANN401 - of that kind of network
         settings: Settings,
         source: Blocks,
         initial: str,
@@ -148,7 +149,7 @@ class _State:
         self.network, self.settings, self.progress = network, settings, Progress()
         self.objective = objective
         self.recipe = {
-            **asdict(network.architecture),
+            **asdict(architecture),
             **asdict(settings),
             "init_from": initial,
             "source": source.recipe,
