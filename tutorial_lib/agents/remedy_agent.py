@@ -37,6 +37,7 @@ class RemedyAgent(MengAgent):
     def __post_init__(self) -> None:
         instance("remedies", self.remedies, Remedies)
         instance("filter_settings", self.filter_settings, FilterSettings)
+        instance("planner", self.planner, DijkstraPlanner)  # it is given other localizers
         super().__post_init__()
 
     def with_remedies(self, remedies: Remedies) -> RemedyAgent:
