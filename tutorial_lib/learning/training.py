@@ -99,7 +99,7 @@ def train(
     if init_from is not None:
         copy_matching_weights(fresh, init_from)
     initial = "" if init_from is None else digest_of(init_from)
-    state = _State(fresh, architecture, settings, source, initial, objective)
+    state = _State(fresh, settings, source, initial, objective)
     if checkpoint is not None:
         make_folder(checkpoint.parent)
         if checkpoint.exists():
@@ -139,8 +139,7 @@ class _State:
 
     def __init__(
         self,
-        network: nn.Module,
-        architecture: Any,  # noqa: ANN401 - of that kind of network
+        network: Any,  # noqa: ANN401 - the objective's kind, with its architecture
         settings: Settings,
         source: Blocks,
         initial: str,
@@ -149,7 +148,7 @@ class _State:
         self.network, self.settings, self.progress = network, settings, Progress()
         self.objective = objective
         self.recipe = {
-            **asdict(architecture),
+            **asdict(network.architecture),
             **asdict(settings),
             "init_from": initial,
             "source": source.recipe,
