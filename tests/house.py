@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -61,6 +63,19 @@ def prose():
     return count(words, LIBRARY / "experiments")
 
 
+def type_errors():
+    """How many errors pyrefly finds; a question mark where it is not installed."""
+    command = [sys.executable, "-m", "pyrefly", "check", "--output-format", "omit-errors"]
+    run = subprocess.run(
+        [*command, "--python-interpreter-path", sys.executable],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    found = re.search(r"INFO ([\d,]+) errors?", run.stdout + run.stderr)
+    return found[1] if found else "?"
+
+
 def main():
     """Print the table."""
     found = importers()
@@ -83,6 +98,8 @@ def main():
         "prose in f-strings, lines": prose(),
         "imports past a door": past_a_door(found),
         "modules with a single importer": single,
+        "type errors": type_errors(),
+        "type errors ignored": count(r"pyrefly: ignore", LIBRARY),
     }
     for what, number in rows.items():
         print(f"{what:46}{number!s:>14}")

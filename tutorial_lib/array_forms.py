@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import re
 from types import EllipsisType
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError, one_line
 
@@ -20,7 +20,7 @@ _QUOTED = 60  # characters of a value within a message
 
 
 def as_array(
-    name: str, value: ArrayLike, kinds: str, words: str, shape: Shape, empty: bool
+    name: str, value: object, kinds: str, words: str, shape: Shape, empty: bool
 ) -> NDArray[Any]:
     """A value as an array of these kinds of numbers and this shape, or an `InputError`."""
     try:
@@ -38,7 +38,7 @@ def as_array(
     return array if array.dtype.kind in kinds else array.astype(float if "f" in kinds else np.uint8)
 
 
-def is_plain(value: object, shape: Shape) -> bool:
+def is_plain(value: object, shape: Shape) -> TypeGuard[NDArray[np.float64]]:
     """Whether a value is seen at a glance to be right: a few finite float64 of the shape."""
     return (
         type(value) is np.ndarray
@@ -49,7 +49,7 @@ def is_plain(value: object, shape: Shape) -> bool:
     )
 
 
-def is_plain_index(value: object, shape: Shape, most: int | None) -> bool:
+def is_plain_index(value: object, shape: Shape, most: int | None) -> TypeGuard[NDArray[np.intp]]:
     """Whether a value is seen at a glance to be indices from 0 to `most`."""
     return (
         type(value) is np.ndarray

@@ -7,7 +7,7 @@ import re
 import secrets
 import shutil
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -135,7 +135,7 @@ def save_arrays(
         whole("version", version)
     compressed = flag("compressed", compressed)
     stamp = {} if version is None else {"version": np.array(version)}
-    write = np.savez_compressed if compressed else np.savez
+    write: Callable[..., None] = np.savez_compressed if compressed else np.savez
     buffer = io.BytesIO()
     write(buffer, **stamp, **arrays)
     write_files({path: buffer.getvalue()})

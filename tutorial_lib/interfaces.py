@@ -66,15 +66,15 @@ class View(Protocol):
 
 @runtime_checkable
 class WaypointPredictor(Protocol):
-    """C_WP (Meng 2020, III-B): where to drive next in order to reach a target.
+    """C_WP (Meng 2020, III-B): where to drive next in order to reach a target."""
 
-    Attributes:
-        view: what it looks at.
-        k: images of context on either side of a target.
-    """
+    @property
+    def view(self) -> View:
+        """What it looks at."""
 
-    view: View
-    k: int
+    @property
+    def k(self) -> int:
+        """Images of context on either side of a target."""
 
     def prepare(self, contexts: NDArray) -> Targets:
         """Targets from images (M, 2k+1, H, W, C); computed once, indexable by an array."""
@@ -123,15 +123,15 @@ class Reachability(Protocol):
 
 @runtime_checkable
 class RelativeModel(Protocol):
-    """f of LTVN: whether a target is reachable, and where it is if so.
+    """f of LTVN: whether a target is reachable, and where it is if so."""
 
-    Attributes:
-        view: what it looks at.
-        k: images of context on either side of a target.
-    """
+    @property
+    def view(self) -> View:
+        """What it looks at."""
 
-    view: View
-    k: int
+    @property
+    def k(self) -> int:
+        """Images of context on either side of a target."""
 
     def prepare(self, contexts: NDArray) -> Targets:
         """Targets from images (M, 2k+1, H, W, C); computed once, indexable by an array.
@@ -175,15 +175,15 @@ class Explorer(Protocol):
 
 @runtime_checkable
 class Navigation(Policy, Protocol):
-    """A `Policy` of N robots, each with a goal, that declares when it is over.
+    """A `Policy` of N robots, each with a goal, that declares when it is over."""
 
-    Attributes:
-        arrived: (N,) declares to have arrived.
-        given_up: (N,) does not go on.
-    """
+    @property
+    def arrived(self) -> NDArray[np.bool_]:
+        """(N,) declares to have arrived."""
 
-    arrived: NDArray[np.bool_]
-    given_up: NDArray[np.bool_]
+    @property
+    def given_up(self) -> NDArray[np.bool_]:
+        """(N,) does not go on."""
 
 
 @runtime_checkable

@@ -70,7 +70,7 @@ class Observation:
 
     def __getitem__(self, index: Any) -> Observation:  # noqa: ANN401 - any numpy index
         """The robots that `index` selects (a mask, a slice, indices or one index), as a batch."""
-        index = [index] if isinstance(index, int | np.integer) else index
+        index = np.array([index]) if isinstance(index, int | np.integer) else index
         depth = None if self.depth is None else self.depth[index]
         return Observation(
             self.image[index],
@@ -103,8 +103,8 @@ class Observation:
     def joined(cls, parts: Sequence[Observation]) -> Observation:
         """The robots of all parts, as one batch; depth, body and camera only where all have it."""
         parts = instances("parts", parts, cls, empty=False)
-        depths = [part.depth for part in parts]
-        depth = None if any(d is None for d in depths) else np.concatenate(depths)
+        depths = [part.depth for part in parts if part.depth is not None]
+        depth = np.concatenate(depths) if len(depths) == len(parts) else None
         names = ("image", "laser", "odometry", "speed", "steering")
         whole: dict[str, Any] = {
             name: np.concatenate([getattr(p, name) for p in parts]) for name in names

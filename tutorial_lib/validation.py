@@ -11,10 +11,10 @@ front: ``("N", 3)``, ``(..., 2)``.
 from __future__ import annotations
 
 import operator
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sized
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import SupportsIndex, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,7 +37,7 @@ _LEAST, _MOST = np.iinfo(np.intp).min, np.iinfo(np.intp).max
 
 def floats(
     name: str,
-    value: ArrayLike,
+    value: object,
     shape: Shape = (...,),
     *,
     least: float = -np.inf,
@@ -73,7 +73,7 @@ def floats(
     tutorial_lib.errors.InputError: share: 1.5; give one real number from 0 to 1
     """
     if least == -np.inf and most == np.inf and is_plain(value, shape):
-        return value  # type: ignore[return-value]
+        return value
     array = as_array(name, value, "biuf", "real numbers", shape, empty).astype(float, copy=False)
     bad = np.isnan(array) if infinite else ~np.isfinite(array)
     if least > -np.inf or most < np.inf:
@@ -88,7 +88,7 @@ def floats(
 
 def integers(
     name: str,
-    value: ArrayLike,
+    value: object,
     shape: Shape = (...,),
     *,
     least: int | None = None,
@@ -103,7 +103,7 @@ def integers(
     tutorial_lib.errors.InputError: frames: 99; give whole numbers from 0 to 9
     """
     if least == 0 and is_plain_index(value, shape, most):
-        return value  # type: ignore[return-value]
+        return value
     array = as_array(name, value, "iu", "whole numbers", shape, empty)
     low, high = _LEAST if least is None else least, _MOST if most is None else most
     bad = ~((array >= low) & (array <= high))
@@ -114,7 +114,7 @@ def integers(
 
 
 def flags(
-    name: str, value: ArrayLike, shape: Shape = (...,), *, empty: bool = True
+    name: str, value: object, shape: Shape = (...,), *, empty: bool = True
 ) -> NDArray[np.bool_]:
     """Truth values; 0 and 1 are taken for False and True.
 
@@ -130,10 +130,10 @@ def flags(
 
 def flag(name: str, value: object) -> bool:
     """True or False, or 1 and 0; an `InputError` says that it is anything else."""
-    return value if type(value) is bool else bool(flags(name, value, ()))  # type: ignore[arg-type]
+    return value if type(value) is bool else bool(flags(name, value, ()))
 
 
-def images(name: str, value: ArrayLike, shape: Shape, *, empty: bool = True) -> NDArray[np.uint8]:
+def images(name: str, value: object, shape: Shape, *, empty: bool = True) -> NDArray[np.uint8]:
     """Pictures of bytes, or an `InputError`."""
     array = as_array(name, value, "u", "uint8", shape, empty)
     if array.dtype != np.uint8:
@@ -158,12 +158,12 @@ def number(
     if type(value) is float and least <= value <= most and above < value < np.inf:
         return value
     if above > -np.inf:
-        found = float(floats(name, value, (), infinite=infinite))  # type: ignore[arg-type]
+        found = float(floats(name, value, (), infinite=infinite))
         if not above < found <= most:
             highest = f", up to {most:.15g}" if most < np.inf else ""
             raise InputError(f"{name}: {found}; give one real number above {above:.15g}{highest}")
         return found
-    return float(floats(name, value, (), least=least, most=most, infinite=infinite))  # type: ignore[arg-type]
+    return float(floats(name, value, (), least=least, most=most, infinite=infinite))
 
 
 def whole(name: str, value: object, *, least: int | None = None, most: int | None = None) -> int:
@@ -179,7 +179,7 @@ def whole(name: str, value: object, *, least: int | None = None, most: int | Non
     """
     low, high = -np.inf if least is None else least, np.inf if most is None else most
     try:
-        found = operator.index(value)  # type: ignore[arg-type]
+        found = operator.index(value) if isinstance(value, SupportsIndex) else None
     except TypeError:
         found = None
     if found is None or isinstance(value, (bool, np.bool_)) or not low <= found <= high:
@@ -265,7 +265,7 @@ def match(**axes: tuple[int, ...]) -> None:
         raise InputError(f"{shapes}; give leading axes that match") from None
 
 
-def alike(**arrays: NDArray[Any]) -> None:
+def alike(**arrays: Sized) -> None:
     """Arrays that belong together have the same length.
 
     Raises:
@@ -304,7 +304,7 @@ def fit_together(**arrays: tuple[ArrayLike, Shape]) -> None:
             for axis, length in zip(shape, found, strict=True):
                 if isinstance(axis, str):
                     lengths.setdefault(axis, length)
-        wanted = tuple(lengths.get(axis, axis) for axis in shape)
+        wanted = tuple(lengths.get(axis, axis) if isinstance(axis, str) else axis for axis in shape)
         if found != wanted:
             words = ", ".join(map(str, wanted)) + ("," if len(wanted) == 1 else "")
             raise InputError(f"{name}: shape {found}; give shape ({words})")

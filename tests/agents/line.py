@@ -117,12 +117,12 @@ def navigation_along(find_path, goals, places=range(-4, 9), wall=np.inf, **given
     return navigation_over(line_map(places, reachability), find_path, goals, **given)
 
 
-def navigation_over(topomap, find_path, goals, replan_time=60.0, timeout=4.0):
+def navigation_over(topomap, find_path, goals, replan_time=60.0, timeout=4.0, kind=MapNavigation):
     """Navigation over a map, with a follower that is lost after `timeout` seconds."""
     reachability = topomap.vertices.reachability
     parts = LinePredictor(), LineController(), reachability
     targets = MapTargets(topomap, parts[0], reachability)
-    return MapNavigation(
+    return kind(
         find_path,
         lambda paths, starts: Follower(
             paths, *parts, starts=starts, settings=replace(RULES, timeout=timeout)

@@ -1,5 +1,7 @@
 """Meng's map, whose beliefs change with what robots experience, on a line."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -21,8 +23,9 @@ def sent(wall=np.inf, seen=np.inf, start=0.0):
         topomap.connect(source + 1, source, 0.9, driven=1)
     upkeep = Maintenance(topomap.graph, MaintenanceRules(), 1.0, 1.0)
     plan = Plan(tuple(PLACES), 0, (0.9,) * (len(PLACES) - 1))
-    navigation = navigation_over(topomap, Plans(plan), [goals_at(7.0)])
-    return Line([start], wall, seen), MendingNavigation(navigation, upkeep), upkeep
+    mending = partial(MendingNavigation, upkeep=upkeep)
+    navigation = navigation_over(topomap, Plans(plan), [goals_at(7.0)], kind=mending)
+    return Line([start], wall, seen), navigation, upkeep
 
 
 def test_edges_that_a_robot_passes_are_believed_more():
@@ -53,7 +56,7 @@ def test_what_stands_in_the_way_is_left_out_for_all_for_some_queries():
 def test_a_robot_that_never_got_going_blames_no_edge():
     line, navigation, upkeep = sent(wall=0.0)
     line.go(navigation, 150)
-    assert navigation.navigation.setbacks
+    assert navigation.setbacks
     assert not upkeep.events
 
 

@@ -1,5 +1,7 @@
 """Remedies for look-alike places, of robots on a line."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,11 @@ def test_each_row_of_the_experiment_has_its_remedies():
 def test_an_unknown_remedy_is_refused():
     with pytest.raises(InputError, match="name: 'prayer'; give none, sequence"):
         Remedies.named("prayer")
+
+
+def test_a_planner_whose_localizer_cannot_be_replaced_is_refused():
+    with pytest.raises(InputError, match="give a DijkstraPlanner"):
+        agent_on_line(planner=SimpleNamespace(plan=len))
 
 
 def test_sequences_count_in_the_map_only_where_they_are_on():

@@ -306,6 +306,11 @@ def test_random_waypoints_lie_anywhere_from_behind_to_ahead():
     assert set(overlaps.ravel()) == {0.5}
 
 
+def test_agents_can_ask_random_waypoints_what_they_look_at(seen):
+    guess = RandomWaypoints(np.random.default_rng(0))
+    assert guess.view.of(seen) is seen.image
+
+
 def test_random_waypoints_are_drawn_by_their_seed_and_do_not_look(seen):
     one, two, other = (RandomWaypoints(np.random.default_rng(seed)) for seed in (3, 3, 4))
     first = one.predict(seen, None)[0]

@@ -31,5 +31,11 @@ def test_what_is_slow_runs_nightly():
 def test_the_hooks_keep_style_size_and_notebooks():
     hooks = [hook for repository in HOOKS["repos"] for hook in repository["hooks"]]
     names = ("check-added-large-files", "end-of-file-fixer", "trailing-whitespace")
-    assert [hook["id"] for hook in hooks] == [*names, "ruff-check", "ruff-format", "notebooks"]
+    assert [hook["id"] for hook in hooks] == [
+        *names,
+        "ruff-check",
+        "ruff-format",
+        "pyrefly",
+        "notebooks",
+    ]
     assert all(re.compile(hook.get("files", "")) for hook in hooks)

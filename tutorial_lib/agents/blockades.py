@@ -24,7 +24,7 @@ _SHORT = 0.3  # metres before the waypoint where the lane ends
 _NEARBY = 2.5  # metres within which a robot is still where it could not pass
 
 
-def in_the_way(lasers: Array, waypoints: Array) -> NDArray[np.bool_]:
+def in_the_way(lasers: NDArray[np.floating], waypoints: Array) -> NDArray[np.bool_]:
     """(N,) whether the laser sees something on the straight line to a waypoint.
 
     The network learned waypoints in line of sight (`learning.labels`): what stands before one was
@@ -34,10 +34,10 @@ def in_the_way(lasers: Array, waypoints: Array) -> NDArray[np.bool_]:
         lasers: (N, B) metres, full circles.
         waypoints: (N, 2) metres, in the robots' frames.
     """
-    return _on_lane(lasers, waypoints)[0].any(axis=1)
+    return np.any(_on_lane(lasers, waypoints)[0], axis=1)
 
 
-def nearest_in_the_way(laser: Array, waypoint: Array) -> Array:
+def nearest_in_the_way(laser: NDArray[np.floating], waypoint: Array) -> Array:
     """(2,) the nearest point that the laser (B,) sees on the line to a waypoint (2,)."""
     on_lane, along = _on_lane(laser[None], waypoint[None])
     beam = int(np.where(on_lane[0], along[0], np.inf).argmin())
@@ -45,7 +45,9 @@ def nearest_in_the_way(laser: Array, waypoint: Array) -> Array:
     return laser[beam] * np.array([np.cos(angle), np.sin(angle)])
 
 
-def _on_lane(lasers: Array, waypoints: Array) -> tuple[NDArray[np.bool_], Array]:
+def _on_lane(
+    lasers: NDArray[np.floating], waypoints: Array
+) -> tuple[NDArray[np.bool_], NDArray[np.floating]]:
     """(N, B) which beams end on the line to a waypoint, and how far along it."""
     far = np.linalg.norm(waypoints, axis=1)
     ahead = waypoints / np.maximum(far, 1e-6)[:, None]

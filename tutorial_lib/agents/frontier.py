@@ -119,7 +119,7 @@ class FrontierAgent:
             best = np.arange(len(found.robots))
         else:
             found = all_frontiers(self.search.maps, robots, odometry)
-            scores = self._scores(sensed, due, found)
+            scores = self._scores(self._scorer, sensed, due, found)
             order = np.lexsort((-scores, found.robots))
             best = order[np.unique(found.robots[order], return_index=True)[1]]
         chosen = robots[found.robots[best]]
@@ -138,11 +138,13 @@ class FrontierAgent:
         cell = free[self._streams[robot].integers(len(free))]
         return self.search.maps.centres(np.array([robot]), np.array([cell]))[0]
 
-    def _scores(self, sensed: Sensed, due: NDArray[np.intp], found: Frontiers) -> Array:
+    def _scores(
+        self, scorer: FrontierScorer, sensed: Sensed, due: NDArray[np.intp], found: Frontiers
+    ) -> Array:
         """Scores of frontiers (F,)."""
         robots, odometry = sensed.robots[due], sensed.odometry[due]
         here = sensed.features[np.searchsorted(sensed.looking, due)]
         local = to_local(odometry[found.robots], found.places)
         parts = np.column_stack([local, found.metres])
         around = crops(self.search.maps, robots, odometry, CROP)
-        return self._scorer.score(around, here, self.search.goals[robots], parts, found.robots)
+        return scorer.score(around, here, self.search.goals[robots], parts, found.robots)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +20,7 @@ from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
 from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world, wrap
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
-from tutorial_lib.topology.mapping.expansion import expanded
+from tutorial_lib.topology.mapping.expansion import expanded, shortest_paths
 from tutorial_lib.topology.mapping.image_pool import length
 from tutorial_lib.topology.mapping.sampling_map import SampledMap
 from tutorial_lib.validation import instances
@@ -328,7 +327,7 @@ class LTVNNavigation:
 
         if here not in graph:
             return None
-        metres, paths = nx.single_source_dijkstra(graph, here, weight=cost)
+        metres, paths = shortest_paths(graph, here, cost)
         whole = {
             vertex: metres[vertex] + float(length(waypoint))
             for vertex, waypoint in state.exits.items()

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.navigator import MapNavigation, Setback
-from tutorial_lib.interfaces import Experience, Goals, Observation, Robots
+from tutorial_lib.agents.navigator import FindPath, MapNavigation, Setback
+from tutorial_lib.interfaces import Experience, Goals, Observation, Plan, Robots
 from tutorial_lib.se2 import Array
+from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules, Traversal
 from tutorial_lib.validation import instance
 
@@ -43,41 +44,40 @@ class MendingMengAgent(MengAgent):
 
     def start(self, goals: Sequence[Goals]) -> MendingNavigation:
         """Send robots to one goal each; all mend the same map."""
-        return MendingNavigation(super().start(goals), self.upkeep)
+        parts = self.find_path, self.make_follower(), self.targets()
+        return MendingNavigation(*parts, goals, self.replan_time, self.upkeep)
 
 
-class MendingNavigation:
-    """A `Navigation` over Meng's map that tells its upkeep what robots experience.
+class MendingNavigation(MapNavigation):
+    """A `MapNavigation` over Meng's map that tells its upkeep what robots experience.
 
     Attributes:
-        navigation: of the robots.
         traversals: all so far.
     """
 
-    def __init__(self, navigation: MapNavigation, upkeep: Maintenance) -> None:
-        """Nobody has driven yet."""
-        self.navigation, self._upkeep = navigation, upkeep
+    def __init__(
+        self,
+        find_path: FindPath,
+        make_follower: Callable[..., Follower],
+        targets: MapTargets,
+        goals: Sequence[Goals],
+        replan_time: float,
+        upkeep: Maintenance,
+    ) -> None:
+        """See `MapNavigation`; nobody has driven yet."""
+        super().__init__(find_path, make_follower, targets, goals, replan_time)
+        self._upkeep = upkeep
         self.traversals: list[Traversal] = []
         # Of each robot its plan, its place on it, and how many of its edges it has passed.
-        self._plans: list[object] = [None] * len(navigation.plans)
-        self._visited = np.full(len(navigation.plans), -1)
-        self._passed = np.zeros(len(navigation.plans), dtype=int)
-
-    @property
-    def arrived(self) -> NDArray[np.bool_]:
-        """Of the navigation."""
-        return self.navigation.arrived
-
-    @property
-    def given_up(self) -> NDArray[np.bool_]:
-        """Of the navigation."""
-        return self.navigation.given_up
+        count = len(self.plans)
+        self._followed: list[Plan | None] = [None] * count
+        self._visited, self._passed = np.full(count, -1), np.zeros(count, dtype=int)
 
     def act(self, observations: Observation, robots: Robots) -> Array:
-        """The navigation's actions."""
-        known = len(self.navigation.setbacks)
-        actions = self.navigation.act(observations, robots)
-        for setback in self.navigation.setbacks[known:]:
+        """See `MapNavigation`; what robots experienced changes the beliefs."""
+        known = len(self.setbacks)
+        actions = super().act(observations, robots)
+        for setback in self.setbacks[known:]:
             self._set_back(setback)
         for robot in robots:
             self._follow(int(robot))
@@ -85,9 +85,9 @@ class MendingNavigation:
 
     def _follow(self, robot: int) -> None:
         """Note the edges that a robot has passed since the last step."""
-        plan, visited = self.navigation.plans[robot], self.navigation.follower.memory.visited[robot]
-        if plan is not self._plans[robot]:
-            self._plans[robot], self._passed[robot] = plan, 0
+        plan, visited = self.plans[robot], self.follower.memory.visited[robot]
+        if plan is not self._followed[robot]:
+            self._followed[robot], self._passed[robot] = plan, 0
         elif plan is not None and visited > self._visited[robot] >= 0:
             path = plan.vertices[self._visited[robot] : visited + 1]
             for edge in pairwise(path):

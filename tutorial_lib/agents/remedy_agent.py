@@ -15,6 +15,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology.localization import FilterSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.validation import instance, whole
 
 SEQUENCE = 4
@@ -36,6 +37,7 @@ class RemedyAgent(MengAgent):
     def __post_init__(self) -> None:
         instance("remedies", self.remedies, Remedies)
         instance("filter_settings", self.filter_settings, FilterSettings)
+        instance("planner", self.planner, DijkstraPlanner)  # it is given other localizers
         super().__post_init__()
 
     def with_remedies(self, remedies: Remedies) -> RemedyAgent:
@@ -74,4 +76,5 @@ class RemedyAgent(MengAgent):
         return PlaceGuess(robots, self.topomap, self._tools(), self.predictor.prepare(contexts))
 
     def _tools(self) -> Tools:
-        return Tools(self.planner, self.predictor, self.remedies, self.filter_settings)
+        planner = instance("planner", self.planner, DijkstraPlanner)
+        return Tools(planner, self.predictor, self.remedies, self.filter_settings)

@@ -166,7 +166,8 @@ class RemedyNavigation(MapNavigation):
         biased = copy.copy(self._topomap)
         biased.graph = self._topomap.graph.copy()
         factor = self._worth(robot)
-        for _, target, edge in biased.graph.in_edges(np.flatnonzero(factor < 1).tolist(), True):
+        visited = np.flatnonzero(factor < 1).tolist()
+        for _, target, edge in biased.graph.in_edges(visited, data=True):
             edge["probability"] *= factor[target]
             edge["weight"] = float(weight(edge["probability"]))
         return biased

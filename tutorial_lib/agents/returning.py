@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.agents.votes import agreeing
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import bearing_of
 from tutorial_lib.exploration.goal_search import of_all
 from tutorial_lib.exploration.local_map import LocalMaps
@@ -77,7 +78,7 @@ def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
     if len(kept) < 2:
         return []
     there = seen[kept]
-    seconds = _ACTION * np.arange(len(kept))
+    seconds = _ACTION * np.arange(len(kept), dtype=float)
     return [
         Experience(turned(there, 0.0), seconds),
         Experience(turned(there[::-1], np.pi), seconds + seconds[-1] + 60.0),
@@ -142,8 +143,10 @@ class ReturningAgent:
         robots = np.flatnonzero(running)
         actions = self._explore(observations, running)
         here = observations[robots]
+        if here.depth is None:
+            raise InputError("observations: panoramas without depth; use the rgbd sensor")
         self._maps.observe(robots, here.odometry, here.depth)
-        for row, robot in enumerate(robots):
+        for row, robot in enumerate(robots.tolist()):
             if self.plans[robot] is None and self._is_due(robot):
                 self._plan(here[row], robot)
         planned = [row for row, robot in enumerate(robots) if self.plans[robot] is not None]
@@ -258,6 +261,8 @@ class ReturningAgent:
         there.
         """
         plan, ahead = self.plans[robot], int(self.follower.memory.active[robot])
+        if plan is None:
+            return  # it has lost its path in this step already
         path = [HERE, *plan.vertices]
         step = min(ahead, len(plan.vertices) - 1)
         if step >= 0:

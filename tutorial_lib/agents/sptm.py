@@ -147,7 +147,9 @@ def similarities(observations: Observation, topomap: TopoMap) -> Array:
     return alike.reshape(len(observations), -1)
 
 
-def window_median(alike: Array, trajectory: NDArray[np.intp], window: int) -> NDArray[np.float32]:
+def window_median(
+    alike: NDArray[np.floating], trajectory: NDArray[np.intp], window: int
+) -> NDArray[np.float32]:
     """The median over aligned neighbours of each pair (SPTM).
 
     Args:

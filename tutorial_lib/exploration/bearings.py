@@ -44,7 +44,7 @@ def column_bearings(columns: int) -> Array:
     [135.0, 45.0, -45.0, -135.0]
     """
     whole("columns", columns, least=1, most=_MOST)
-    return np.pi - (np.arange(columns) + 0.5) * (2 * np.pi / columns)
+    return np.pi - (np.arange(columns, dtype=float) + 0.5) * (2 * np.pi / columns)
 
 
 def column_of(bearings: ArrayLike, columns: int) -> NDArray[np.intp]:

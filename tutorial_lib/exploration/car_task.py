@@ -73,7 +73,7 @@ class CarTask(ExplorationTask):
 
     def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         waypoints = floats("waypoints", actions, (len(self), 2), nan=True)
-        stops = np.isnan(waypoints).any(axis=1)
+        stops = np.any(np.isnan(waypoints), axis=1)
         self.poses, self.odometry = self.poses.copy(), self.odometry.copy()
         self.travelled = self.travelled.copy()
         for fleet in self._fleets:

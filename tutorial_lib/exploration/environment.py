@@ -47,7 +47,8 @@ class ImageGoalNavigation(gymnasium.Env):
     goal are, which no agent may know.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
+    # gymnasium declares what belongs to the class as if it were an instance's.
+    metadata: ClassVar[dict[str, Any]] = {  # pyrefly: ignore[bad-override]
         "render_modes": ["rgb_array", "top_view"],
         "render_fps": 10,
     }

@@ -117,7 +117,7 @@ class GhostGraph:
         free = np.zeros(len(explorable)) if free is None else floats("free", free, ("K",))
         if previous is not None:
             whole("previous", previous, least=0, most=node - 1)
-            pose = floats("pose", pose, (3,))
+            pose = None if pose is None else floats("pose", pose, (3,))
         if ranges is not None:
             ranges = floats("ranges", ranges, ("W",), least=0.0, infinite=True)
         if not explorable.shape == free.shape == (self.directions,):
@@ -132,7 +132,7 @@ class GhostGraph:
             self.ghosts[node, direction] = Ghost(node, direction, self._radius)
         for direction in np.flatnonzero(~explorable & (free > 0)).tolist():
             self.reserve[node, direction] = Ghost(node, direction, float(free[direction]))
-        if previous is not None:
+        if previous is not None and pose is not None:
             self.connect(previous, node, pose)
         self._explore(node)
         return node

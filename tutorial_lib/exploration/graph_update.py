@@ -160,11 +160,13 @@ class GraphUpdate:
         outside = np.array([not len(memory.graph) for memory in memories], dtype=bool)
         inside = np.flatnonzero(~outside)
         if len(inside):
-            own = np.array([memories[m].features[memories[m].node] for m in inside])
+            here = [memories[m] for m in inside.tolist()]
+            own = np.array([memory.features[memory.node] for memory in here])
             lost = inside[self._model.same_node(own, features[inside]) < self._same]
-            outside[lost[~self._elsewhere([memories[m] for m in lost], features[lost])]] = True
+            strays = [memories[m] for m in lost.tolist()]
+            outside[lost[~self._elsewhere(strays, features[lost])]] = True
         new = np.flatnonzero(outside)
-        self.add_nodes([memories[m] for m in new], features[new], ranges[new])
+        self.add_nodes([memories[m] for m in new.tolist()], features[new], ranges[new])
         return outside
 
     def add_nodes(

@@ -47,7 +47,9 @@ class LocalMaps:
         self.grids = np.full((robots, cells, cells), UNKNOWN, np.uint8)
         self.corners = np.full((robots, 2), -(cells // 2) * RESOLUTION)
 
-    def observe(self, robots: NDArray[np.intp], odometry: Array, ranges: Array) -> None:
+    def observe(
+        self, robots: NDArray[np.intp], odometry: Array, ranges: NDArray[np.floating]
+    ) -> None:
         """Enter what robots see.
 
         Args:

@@ -74,25 +74,25 @@ class TrueGeometry:
         rows = np.column_stack([self._number, poses])
         return {image.tobytes(): row for image, row in zip(seen.image, rows, strict=True)}
 
-    def explorable(self, features: NDArray[np.float32]) -> Array:
+    def explorable(self, features: NDArray[np.floating]) -> Array:
         """The labels of F_G (N, K)."""
         features = self._checked("features", features)
         likely = explorable(self._ranges(features), self._directions, self._radius)
         return likely.astype(float)
 
-    def same_node(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+    def same_node(self, sources: NDArray[np.floating], goals: NDArray[np.floating]) -> Array:
         """The labels of F_L (P,)."""
         sources, goals = self._pairs(sources, goals)
         bearing, metres = self.relative(sources, goals).T
         ranges = self._ranges(sources)
         return connected(ranges, bearing, metres, self._radius).astype(float)
 
-    def relative(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+    def relative(self, sources: NDArray[np.floating], goals: NDArray[np.floating]) -> Array:
         """True bearings and metres (P, 2)."""
         sources, goals = self._pairs(sources, goals)
         return relative_polar(sources[:, 1:].astype(float), goals[:, 1:3].astype(float))
 
-    def scores(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+    def scores(self, sources: NDArray[np.floating], goals: NDArray[np.floating]) -> Array:
         """The labels of F_S (P, K)."""
         sources, goals = self._pairs(sources, goals)
         found = np.zeros((len(sources), self._directions))
@@ -109,7 +109,7 @@ class TrueGeometry:
             return np.asarray(observations.depth, dtype=float)
         return self._ranges(self.embed(observations))
 
-    def _checked(self, name: str, features: NDArray[np.float32]) -> Array:
+    def _checked(self, name: str, features: NDArray[np.floating]) -> Array:
         """Features (N, 4), each with the number of a world."""
         features = floats(name, features, ("N", 4))
         if not np.isin(features[:, 0], np.arange(len(self._names))).all():
@@ -117,13 +117,13 @@ class TrueGeometry:
         return features
 
     def _pairs(
-        self, sources: NDArray[np.float32], goals: NDArray[np.float32]
+        self, sources: NDArray[np.floating], goals: NDArray[np.floating]
     ) -> tuple[Array, Array]:
         sources, goals = self._checked("sources", sources), self._checked("goals", goals)
         alike(sources=sources, goals=goals)
         return sources, goals
 
-    def _ranges(self, features: NDArray[np.float32]) -> Array:
+    def _ranges(self, features: NDArray[np.floating]) -> Array:
         """(N, W) metres around the places of features."""
         poses, number = features[:, 1:].astype(float), features[:, 0].astype(int)
         found = np.empty((len(features), PanoramicCamera.columns))
@@ -132,7 +132,7 @@ class TrueGeometry:
             found[rows] = panorama_ranges(self._task.scenes[self._names[world]], poses[rows])
         return found
 
-    def _field(self, goal: NDArray[np.float32]) -> DistanceFields:
+    def _field(self, goal: NDArray[np.floating]) -> DistanceFields:
         """How far everything is from a goal; kept, since every node asks for it."""
         key = (int(goal[0]), float(goal[1]), float(goal[2]))
         if key not in self._fields:

@@ -1,6 +1,6 @@
 """Training data: blocks of pairs from many worlds, rendered while the network learns."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Protocol
@@ -60,7 +60,7 @@ class Batch:
     def targets(self, groups: NDArray[np.intp] | slice) -> "Batch":
         """A subset of the targets, with all their starts."""
         count, starts = len(self.contexts), len(self.current) // len(self.contexts)
-        picked = {"contexts": self.contexts[groups]}
+        picked: dict[str, NDArray] = {"contexts": self.contexts[groups]}
         for field in fields(self):
             if field.name != "contexts":
                 values = getattr(self, field.name)
@@ -211,21 +211,33 @@ def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
     return Discs(circles, owners, rng.uniform(0.0, 255.0, (count, 3)).astype(np.float32))
 
 
+class Block(Protocol):
+    """Targets with their starts, such as a `Batch`, that is cut into batches of its own kind."""
+
+    def targets(self, groups: slice) -> Any:  # noqa: ANN401
+        """A subset of the targets, with all their starts."""
+
+
 class Blocks(Protocol):
     """A source of training blocks."""
 
-    worlds: int
-    targets: int
+    @property
+    def worlds(self) -> int:
+        """Drawn for a block."""
+
+    @property
+    def targets(self) -> int:
+        """Of each world."""
 
     @property
     def recipe(self) -> dict[str, Any]:
         """What the blocks depend on, in brief."""
 
-    def block(self, seed: Sequence[int]) -> Batch:
+    def block(self, seed: Sequence[int]) -> Block:
         """The block of that seed: `worlds` times `targets` targets, shuffled."""
 
 
-def batches(source: Blocks, seed: int, first: int, size: int) -> Iterator[Batch]:
+def batches(source: Blocks, seed: int, first: int, size: int) -> Generator[Any, None, None]:
     """Batches of `size` targets without end, from the `first` on; the next block is prefetched.
 
     A batch depends on its index and the seed alone, so that training can resume anywhere.

@@ -191,10 +191,15 @@ def _ranks(values: ArrayLike) -> Array:
 
 
 def _checked(
-    name: str, values: ArrayLike, came_true: ArrayLike, **allowed: float
+    name: str,
+    values: ArrayLike,
+    came_true: ArrayLike,
+    least: float = -np.inf,
+    most: float = np.inf,
+    infinite: bool = False,
 ) -> tuple[Array, Array]:
     """What was predicted (N,) and the share (N,) that came true, as many of both."""
-    values = floats(name, values, ("N",), empty=False, **allowed)
+    values = floats(name, values, ("N",), least=least, most=most, infinite=infinite, empty=False)
     came_true = floats("came_true", came_true, ("N",), least=0.0, most=1.0)
     alike(**{name: values, "came_true": came_true})
     return values, came_true

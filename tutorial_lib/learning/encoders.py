@@ -80,7 +80,7 @@ class PairEncoder(nn.Module):
         _, other, difference = self.stacked.weight.chunk(3, dim=1)
         return self._first(images, other - difference, None)
 
-    def compare(self, current: Tensor, targets: Tensor) -> Tensor:
+    def compare(self: "PairEncoder | StackedEncoder", current: Tensor, targets: Tensor) -> Tensor:
         """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
         tensor("current", current, ("N", *self.shape))
         tensor("targets", targets, (len(current), "P", *self.shape))

@@ -37,7 +37,7 @@ class EncodedTargets:
 
     def __getitem__(self, index: Any) -> "EncodedTargets":  # noqa: ANN401 - any numpy index
         """The targets that `index` selects, as a batch."""
-        index = [index] if isinstance(index, int | np.integer) else index
+        index = np.array([index]) if isinstance(index, int | np.integer) else index
         rows = torch.from_numpy(np.arange(len(self))[index].copy())
         return replace(self, encoded=self.encoded.index_select(0, rows))  # quicker than an index
 

@@ -96,21 +96,21 @@ def _quality(found: Predictions, batch: PanoramaBatch) -> dict[str, np.ndarray]:
         name: getattr(batch, name).reshape(-1, *getattr(batch, name).shape[3:])[pairs]
         for name in ("connected", "direction", "nearness", "metres", "far")
     }
-    compared = Compared(*(part.numpy() for part in found.compared))
+    compared = found.compared
     inside = label["connected"] > 0
-    difference = np.abs(compared.direction[inside].argmax(1) - label["direction"][inside])
-    error = RADIUS * np.abs(compared.nearness - label["nearness"])[inside]
+    difference = np.abs(compared.direction.numpy()[inside].argmax(1) - label["direction"][inside])
+    error = RADIUS * np.abs(compared.nearness.numpy() - label["nearness"])[inside]
     depth = np.zeros(0)
     if found.log_ranges is not None:
         depth = np.abs(found.log_ranges.numpy() - np.log(batch.depth.reshape(-1, 192))).ravel()
     return {
         "explorable": found.seen.explorable.numpy().ravel() > 0,
         "is_explorable": batch.explorable.ravel() > 0,
-        "connection": compared.connection,
+        "connection": compared.connection.numpy(),
         "connected": label["connected"],
         "bins": np.minimum(difference, DIRECTIONS - difference),
         "distance": error,
-        "right": best_chosen(compared.scores, label["metres"]),
+        "right": best_chosen(compared.scores.numpy(), label["metres"]),
         "far": label["far"],
         "signs": np.broadcast_to(batch.signs[:, None, None], batch.far.shape).ravel()[pairs],
         "depth": depth,

@@ -83,8 +83,8 @@ def _load(
             arrays = record_maps(scene, world, network, counts, rng)
             save_arrays(path, arrays, version=_VERSION, compressed=True)
         pairs = pair_features(network, scene, arrays["poses"], arrays["goals"])
-        known = (arrays[part] for part in ("crops", "frontiers", "remaining"))
-        parts.append(GoalMaps(*known, pairs))
+        crops, frontiers, remaining = (arrays[n] for n in ("crops", "frontiers", "remaining"))
+        parts.append(GoalMaps(crops, frontiers, remaining, pairs))
     return GoalMaps.joined(parts)
 
 

@@ -50,7 +50,7 @@ def waypoint_labels(
     seen |= ~ahead
     farthest = CANDIDATES - 1 - seen[:, ::-1].argmax(axis=1)
     chosen = places[np.arange(len(starts)), farthest]
-    return to_local(starts, chosen), seen.any(axis=1)
+    return to_local(starts, chosen), np.any(seen, axis=1)
 
 
 def in_clear_sight(caster: Raycaster, origins: Array, points: Array) -> NDArray[np.bool_]:

@@ -70,8 +70,9 @@ class LocalNetwork(nn.Module):
         self.architecture = instance("architecture", architecture, Architecture)
         self._size = architecture.looks_at.size
         channels, rows, _ = self._size
+        self.encoder: StackedEncoder | MatchingEncoder | PairEncoder | SeparateEncoder
         if architecture.encoder == "stacked":
-            self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.images)
+            self.encoder = StackedEncoder(channels, rows, architecture.images)
         else:
             kinds = {"matching": MatchingEncoder, "pair": PairEncoder, "separate": SeparateEncoder}
             self.encoder = kinds[architecture.encoder](channels, rows)
@@ -81,7 +82,8 @@ class LocalNetwork(nn.Module):
         self.hidden = nn.Linear(128, 64)
         self.heads = nn.Linear(64, OUTPUTS[architecture.outputs])
         self.pose = nn.Linear(FEATURES, 4)
-        self.to(memory_format=torch.channels_last)
+        # torch's annotations leave out the keyword that its documentation has.
+        self.to(memory_format=torch.channels_last)  # pyrefly: ignore[no-matching-overload]
 
     def encode_current(self, images: Tensor) -> Tensor:
         """Encode current images (N, C, H, W)."""

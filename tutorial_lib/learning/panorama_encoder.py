@@ -11,6 +11,7 @@ from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS
+from tutorial_lib.validation import instance
 
 ROWS, PIXELS, COLUMNS = 16, 192, 48
 """Rows and columns of a panorama, and columns of features that it is reduced to."""
@@ -170,7 +171,7 @@ class PanoramaEncoder(nn.Module):
         strips = images.movedim(1, 2).flatten(2).float().div_(127.5).sub_(1.0)  # (N, 192, 48)
         x = self.strip(strips)
         if self.sensor == "rgbd":
-            x = x + self.depth(_spread(depth))
+            x = x + self.depth(_spread(instance("depth", depth, Tensor)))
         return self.mix(x.relu())
 
     def log_ranges(self, columns: Tensor) -> Tensor:
@@ -185,7 +186,7 @@ class PanoramaEncoder(nn.Module):
             depth: (N, 192) metres; predicted for the sensor "rgb".
         """
         if self.sensor == "rgbd":
-            metres = depth.clamp(max=_FARTHEST)
+            metres = instance("depth", depth, Tensor).clamp(max=_FARTHEST)
         else:
             metres = self.log_ranges(columns).clamp(max=math.log(_FARTHEST)).exp()
         metres = metres.unflatten(1, (COLUMNS, -1)).mean(-1)

@@ -12,7 +12,7 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.smoothed import SHARE, SmoothedPolicy
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
-from tutorial_lib.interfaces import Controller, LocalController, Policy, Targets, WaypointPredictor
+from tutorial_lib.interfaces import Controller, LocalController, Policy, Targets
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.views import View
 from tutorial_lib.validation import instance, integers, with_methods
@@ -20,15 +20,15 @@ from tutorial_lib.world.simulation import Simulation
 
 
 class Encoder(Protocol):
-    """What makes targets of images; a `WaypointPredictor` does, and trained networks.
+    """What makes targets of images; trained networks do."""
 
-    Attributes:
-        view: what it looks at.
-        k: images of context on either side of a target.
-    """
+    @property
+    def view(self) -> View:
+        """What it looks at."""
 
-    view: View
-    k: int
+    @property
+    def k(self) -> int:
+        """Images of context on either side of a target."""
 
     def prepare(self, contexts: NDArray) -> Targets:
         """Targets from images (M, 2k+1, H, W, C), indexable by an array."""
@@ -45,7 +45,7 @@ def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
 
 
 def by_smoothed_waypoints(
-    predictor: WaypointPredictor, share: float = SHARE, controller: Controller | None = None
+    predictor: WaypointNetwork, share: float = SHARE, controller: Controller | None = None
 ) -> PolicyFactory:
     """C that drives to a moving average of its waypoints, see `SmoothedPolicy`.
 

@@ -78,11 +78,11 @@ class OutcomeSource:
         return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, world: LabelledWorld, rng: np.random.Generator) -> Batch:
-        has_mined = world.mined is not None and len(world.mined) > 0
-        from_mined = rng.binomial(self.targets, self.mined) if has_mined else 0
-        shares = ((world.outcomes, self.targets - from_mined), (world.mined, from_mined))
-        parts = [self._part(world.recorded, *share, rng) for share in shares if share[1]]
-        return joined(parts)
+        shares = [(world.outcomes, self.targets)]
+        if world.mined is not None and len(world.mined):
+            from_mined = rng.binomial(self.targets, self.mined)
+            shares = [(world.outcomes, self.targets - from_mined), (world.mined, from_mined)]
+        return joined([self._part(world.recorded, *share, rng) for share in shares if share[1]])
 
     def _part(
         self,

@@ -156,6 +156,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
     spent += time.monotonic() - begun
     minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     card = Card(
         recipe.name,
         recipe.command,
@@ -169,7 +170,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
         validation={**stages[-1].history[stages[-1].best], **measured},
         calibration=asdict(calibration),
         minutes=minutes,
-        cores=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        cores=cores or 1,
     )
     return network, card
 

@@ -139,7 +139,7 @@ class _State:
 
     def __init__(
         self,
-        network: nn.Module,
+        network: Any,  # noqa: ANN401 - the objective's kind, with its architecture
         settings: Settings,
         source: Blocks,
         initial: str,

@@ -79,13 +79,13 @@ def trace(
         seen.drawn.append(int(step))
         return int(step), torch.as_tensor(gradients[int(step) % len(gradients)])
 
-    def loss_of(module: nn.Module, batch: tuple[int, Tensor]) -> Tensor:
+    def loss_of(module: Network, batch: tuple[int, Tensor]) -> Tensor:
         step, wanted = batch
         seen.used.append(step)
         seen.training.append(module.training)
         return (module.pair * wanted[:2]).sum() + (module.single * wanted[2:]).sum()
 
-    def validate(module: nn.Module) -> float:
+    def validate(module: Network) -> float:
         loss = float(validation[min(len(seen.evaluated), len(validation) - 1)])
         seen.evaluated.append(len(seen.rates))
         seen.evaluating.append(not module.training)

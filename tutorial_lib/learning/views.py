@@ -23,9 +23,17 @@ _BEAMS = 96
 class View(Protocol):
     """How a network gets its images, (..., H, W, C) arrays, and normalizes them."""
 
-    name: str
-    size: tuple[int, int, int]
-    camera: Camera
+    @property
+    def name(self) -> str:
+        """Its name on a network's card."""
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Channels, rows and columns of the numbers."""
+
+    @property
+    def camera(self) -> Camera:
+        """What a robot must carry."""
 
     def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray:
         """Images from poses (..., 3); a disc's owner is the index of a pose."""
@@ -135,7 +143,7 @@ class LaserView:
         return _spread(_tensor(images)[..., 0])
 
     @staticmethod
-    def _middle(scan: Array) -> NDArray[np.float32]:
+    def _middle(scan: NDArray[np.floating]) -> NDArray[np.float32]:
         return np.ascontiguousarray(scan[..., _MIDDLE][..., ::-1], dtype=np.float32)
 
 
@@ -186,7 +194,7 @@ class DepthView(CameraView):
         return torch.cat([colours, depth], dim=-2)
 
 
-def with_depth(image: NDArray[np.uint8], depth: Array) -> NDArray[np.uint8]:
+def with_depth(image: NDArray[np.uint8], depth: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Images (..., H, W, 3) and depth (..., W) in metres as one array (..., H + 1, W, 3)."""
     whole = np.clip(np.rint(1_000 * depth), 0, 65_535).astype(np.uint16)
     row = np.stack([whole >> 8, whole & 255, np.zeros_like(whole)], axis=-1).astype(np.uint8)

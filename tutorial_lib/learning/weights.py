@@ -194,7 +194,8 @@ def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = Local
     camera = camera_of(card.architecture)
     if card.camera not in ({}, camera):  # older cards do not say
         raise InputError(f"{path}: learned with the camera {card.camera}, not {camera}; {again}")
-    return network.eval().to(memory_format=torch.channels_last)
+    network.to(memory_format=torch.channels_last)  # pyrefly: ignore[no-matching-overload]
+    return network.eval()
 
 
 def _weights_of(data: bytes, own: dict[str, Tensor], parameters: int) -> dict[str, Tensor]:

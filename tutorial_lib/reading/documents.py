@@ -122,9 +122,10 @@ class _PlainLoader(yaml.SafeLoader):
     """Refuses what is more than data."""
 
     depth = 0
-    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}  # not those of YAML 1.1
+    # Not those of YAML 1.1. The stubs take what PyYAML keeps in the class for an instance's.
+    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}  # pyrefly: ignore[bad-override]
 
-    def compose_node(self, parent: yaml.Node | None, index: object) -> yaml.Node | None:
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         event = self.peek_event()
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
             self._refuse(event, "anchors and aliases are not read")
@@ -140,7 +141,9 @@ class _PlainLoader(yaml.SafeLoader):
         return node
 
     def _refuse(self, event: yaml.Event, problem: str) -> NoReturn:
-        raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
+        # The stubs know of libyaml's marks as well, in events but not in errors.
+        mark = event.start_mark
+        raise yaml.MarkedYAMLError(problem=problem, problem_mark=mark)  # pyrefly: ignore[bad-argument-type]
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         found = super().construct_mapping(node, deep)

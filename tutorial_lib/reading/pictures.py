@@ -66,7 +66,8 @@ def decode_picture(data: bytes) -> Picture:
     size = struct.unpack_from(">II", chunks[b"IHDR"]) if chunks else _size_of_bmp(data)
     if size is None:
         raise InputError(_NOT_WHOLE)
-    _check_size(*size, MAX_PIXELS)
+    width, height = size
+    _check_size(width, height, MAX_PIXELS)
     try:
         values = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:
@@ -74,7 +75,7 @@ def decode_picture(data: bytes) -> Picture:
     if values is None or values.dtype not in (np.uint8, np.uint16) or values.shape[1::-1] != size:
         raise InputError(_NOT_WHOLE)
     values = values.reshape(*values.shape[:2], -1)
-    top = int(np.iinfo(values.dtype).max)
+    top = 255 if values.dtype == np.uint8 else 65_535
     if b"tRNS" in chunks and values.shape[2] in (1, 3):
         values = _with_transparency(values, top, chunks)
     return Picture(values, top)

@@ -260,8 +260,8 @@ class Maintenance:
             succeeds, deceives = rules.sees[traversal.kind], rules.imagines
         else:
             succeeds, deceives = rules.succeeds[traversal.kind], rules.deceives
-        shared = rules.share_blame and before is not None and self.graph.has_edge(*before)
-        if shared:
+        at = None  # the belief in the edge before, if blame is shared with it
+        if rules.share_blame and before is not None and self.graph.has_edge(*before):
             at, exists = shared_bayes(
                 _doubted(self.graph.edges[before]["probability"], traversal.success),
                 prior,
@@ -283,7 +283,7 @@ class Maintenance:
         self._change("success" if traversal.success else "failure", (source, target), changed)
         if not traversal.success and exists < rules.prune:
             self.prune_edge((source, target))
-        if shared:
+        if before is not None and at is not None:
             prior = self.graph.edges[before]["probability"]
             kind = "success" if traversal.success else "failure"
             self._change(kind, before, {"probability": _limited(at, prior)})

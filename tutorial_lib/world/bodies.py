@@ -137,7 +137,7 @@ def advance(poses: ArrayLike, twists: ArrayLike, seconds: ArrayLike) -> Array:
     return moved(poses, twists, seconds)
 
 
-def moved(poses: Array, twists: Array, seconds: ArrayLike) -> Array:
+def moved(poses: Array, twists: Array, seconds: Array | float) -> Array:
     """`advance` for arrays that are right already."""
     turn = twists[..., 1] * seconds
     # The chord of the arc is its length times sinc, and points halfway through the turn.
@@ -153,8 +153,11 @@ def _check_amounts(body: "BicycleCar | DifferentialDrive", *may_be_zero: str) ->
         InputError: naming the first that is not.
     """
     for field in fields(body):
-        low = {"least": 0.0} if field.name in may_be_zero else {"above": 0.0}
-        number(field.name, getattr(body, field.name), **low)
+        amount = getattr(body, field.name)
+        if field.name in may_be_zero:
+            number(field.name, amount, least=0.0)
+        else:
+            number(field.name, amount, above=0.0)
 
 
 def _approach(values: Array, goals: Array, most: Array) -> Array:

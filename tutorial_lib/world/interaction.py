@@ -1,7 +1,7 @@
 """Robots of one fleet that see and touch each other."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, to_world
@@ -41,7 +41,7 @@ def check_distinct(body: Body, poses: Array) -> None:
     footprint = body.footprint
     corners = to_world(np.asarray(poses)[:, None], footprint)
     reach = 2 * np.linalg.norm(footprint, axis=1).max()
-    for first, second in sorted(cKDTree(poses[:, :2]).query_pairs(reach)):
+    for first, second in sorted(KDTree(poses[:, :2]).query_pairs(reach)):
         if not _separated(corners[first], corners[second]):
             raise InputError(
                 f"start: robots {first} and {second} would stand in each other; move either"

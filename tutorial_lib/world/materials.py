@@ -92,7 +92,7 @@ class Look:
         number("look.gamma", self.gamma, least=0.2, most=5.0)
         number("look.noise", self.noise, least=0.0, most=64.0)
 
-    def tone(self, colours: NDArray[np.float32]) -> NDArray[np.float32]:
+    def tone(self, colours: NDArray[np.floating]) -> NDArray[np.float32]:
         """Colours (...), in 0 to 255 for each channel, after gamma."""
         floats("colours", colours)
         return (255.0 * (np.clip(colours, 0, 255) / 255.0) ** self.gamma).astype(np.float32)

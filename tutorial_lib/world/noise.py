@@ -28,13 +28,13 @@ class OdometryNoise(Protocol):
         """Measured motions (N, 3), given the true ones."""
 
 
-def scale_controls(actions: Array, sigma: float, rng: Rng) -> Array:
+def scale_controls(actions: Array, sigma: float, rng: Rng | None) -> Array:
     """Actuation noise of Meng 2020 (IV-B): each control times a factor drawn from N(1, sigma).
 
     Args:
         actions: (N, 2).
         sigma: 0.33 in the paper; 0 for none.
-        rng: source of randomness.
+        rng: source of randomness; not needed where `sigma` is 0.
 
     Returns:
         (N, 2).
@@ -74,7 +74,7 @@ class WheelOdometry:
         for name in ("distance", "turn", "drift"):
             number(name, getattr(self, name), least=0)
 
-    def measure(self, motions: Array, rng: Rng) -> Array:
+    def measure(self, motions: Array, rng: Rng | None) -> Array:
         """What the wheels measure for true motions (N, 3) in the robot's frame."""
         motions = floats("motions", motions, ("N", 3))
         return self.read(motions, instance("rng", rng, Rng).normal(size=motions.shape))
@@ -136,7 +136,7 @@ class NoNoise:
 
     needs_rng = False
 
-    def measure(self, motions: Array, rng: Rng) -> Array:
+    def measure(self, motions: Array, rng: Rng | None) -> Array:
         """The true motions."""
         return motions
 

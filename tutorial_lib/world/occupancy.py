@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.limits import MAX_PIXELS, MAX_ROOM_CELLS
@@ -49,7 +49,7 @@ class ClearanceGrid:
     def centres(self, cells: ArrayLike) -> NDArray[np.float64]:
         """The points (..., 2) in the middle of cells given as row and column (..., 2)."""
         cells = integers("cells", cells, (..., 2))
-        return (cells[..., ::-1] + 0.5) * self.resolution + np.asarray(self.origin)
+        return (cells[..., ::-1] + np.float64(0.5)) * self.resolution + np.asarray(self.origin)
 
     def at(self, points: ArrayLike) -> NDArray[np.float32]:
         """Clearance (...) in metres of the cell that holds each point (..., 2)."""
@@ -169,7 +169,7 @@ def _to_cells(
 def _loose_end(plan: FloorPlan, room: Room) -> str:
     """The loose wall end nearest to the room, as text; empty when every end meets another."""
     ends = plan.segments.reshape(-1, 2)
-    gap, _ = cKDTree(ends).query(ends, k=2)
+    gap, _ = KDTree(ends).query(ends, k=2)
     loose = ends[gap[:, 1] > 0.02]
     if not len(loose):
         return ""

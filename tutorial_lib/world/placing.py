@@ -21,7 +21,8 @@ def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
     footprint = checked_body(body).footprint
     corners = to_world(poses[:, None], footprint)
     starts, ends = corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2)
-    free = scene.caster.sees(starts, ends).reshape(len(poses), len(footprint)).all(axis=1)
+    seen = scene.caster.sees(starts, ends).reshape(len(poses), len(footprint))
+    free = np.all(seen, axis=1)
     free[free] = scene.clearance.at(poses[free, :2]) > 0
     # A thin post can stand inside the outline without crossing any of its sides.
     around = np.flatnonzero(free)
@@ -102,4 +103,4 @@ def _inside(footprint: Array, points: Array) -> NDArray[np.bool_]:
     """(P,) whether points (P, 2) lie within a convex, counter-clockwise outline."""
     sides = np.roll(footprint, -1, axis=0) - footprint
     offset = points[:, None] - footprint
-    return (sides[:, 0] * offset[..., 1] - sides[:, 1] * offset[..., 0] > 0).all(axis=1)
+    return np.all(sides[:, 0] * offset[..., 1] - sides[:, 1] * offset[..., 0] > 0, axis=1)

@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from tutorial_lib.validation import instance
 from tutorial_lib.world.floorplan import FloorPlan
@@ -39,9 +39,9 @@ class Scene:
         return clearance_grid(self.plan)
 
     @cached_property
-    def wall_ends(self) -> cKDTree:
+    def wall_ends(self) -> KDTree:
         """All ends of walls and furniture, for queries of those nearby."""
-        return cKDTree(self.plan.segments.reshape(-1, 2))
+        return KDTree(self.plan.segments.reshape(-1, 2))
 
     @cached_property
     def surfaces(self) -> NDArray[np.float32]:

@@ -28,14 +28,8 @@ _NO_DISCS = np.zeros((0, 3), np.float32)
 class _Eye:
     """What both cameras share; each defines where its columns look."""
 
-    rows: int
-    slope: float
-    fan: Fan
-    spread: NDArray[np.float32]
-    flatten: NDArray[np.float32]
-
     def look(
-        self,
+        self: "Camera | PanoramicCamera",
         scene: Scene,
         poses: NDArray[np.float64],
         discs: Discs | None = None,
@@ -57,7 +51,7 @@ class _Eye:
         return self.render(scene, floats("poses", poses, ("N", 3)), discs, viewers)
 
     def render(
-        self,
+        self: "Camera | PanoramicCamera",
         scene: Scene,
         poses: NDArray[np.float64],
         discs: Discs | None,
@@ -246,7 +240,7 @@ class Sensors:
 def full_circle(count: int) -> NDArray[np.float64]:
     """Middle angles of `count` equal parts of the circle, rising from -pi."""
     count = whole("count", count, least=1, most=MOST_COLUMNS)
-    return (np.arange(count) + 0.5) * (2 * np.pi / count) - np.pi
+    return (np.arange(count, dtype=float) + 0.5) * (2 * np.pi / count) - np.pi
 
 
 def _check_picture(rows: int, columns: int, slope: float) -> None:
@@ -256,7 +250,7 @@ def _check_picture(rows: int, columns: int, slope: float) -> None:
 
 
 def _paint(
-    camera: _Eye,
+    camera: Camera | PanoramicCamera,
     scene: Scene,
     poses: NDArray[np.float64],
     hits: Hits,

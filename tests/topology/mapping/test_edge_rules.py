@@ -187,6 +187,10 @@ def test_the_most_alike_are_found(rows, columns, count, seed):
         assert sorted(numbers) == sorted(best)
 
 
+def test_the_most_alike_are_found_in_lists_too():
+    assert most_alike([[0.2, 0.9, 0.1], [0.3, 0.1, 0.2]], 1).tolist() == [[1], [0]]
+
+
 def test_an_index_is_what_was_put_into_it():
     rng, index = np.random.default_rng(0), Index()
     batches = [(directions(rng, n, 2, 3), directions(rng, n, 2, 2, 3)) for n in (3, 1, 4)]

@@ -5,11 +5,17 @@ from tests.conftest import make_box
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.dashboard import Moment, beams_of, dashboard, draw_laser
+from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm, beams_of, dashboard, draw_laser
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera, Laser
 
 CAR = np.array([[0.36, 0.12], [-0.06, 0.12], [-0.06, -0.12], [0.36, -0.12]])
+
+
+def test_a_part_of_a_film_is_a_film():
+    film = RolloutFilm(PlanView(Scene(make_box())), ["one", "two", "three"], "a title")
+    assert film[1:].moments == ["two", "three"]
+    assert film[1:].view is film.view
 
 
 def test_the_dashboard_shows_the_camera_and_the_laser_with_ahead_up():

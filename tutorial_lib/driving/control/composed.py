@@ -67,6 +67,14 @@ class ComposedController:
         return self.controller.act(observations, waypoints)
 
 
+class _Images:
+    """A `View`: the camera's images as they are."""
+
+    def of(self, observations: Observation) -> NDArray:
+        """(N, H, W, 3)."""
+        return observations.image
+
+
 @dataclass(frozen=True)
 class RandomWaypoints:
     """A `WaypointPredictor` that ignores its input: a waypoint somewhere 1 m behind to 3 m ahead.
@@ -76,7 +84,7 @@ class RandomWaypoints:
     """
 
     rng: np.random.Generator
-    view: View = field(default=None, init=False)
+    view: View = field(default=_Images(), init=False)
     k: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:

@@ -100,8 +100,11 @@ class RMPController:
     def __post_init__(self) -> None:
         raw.check_body(self.body)
         for one in fields(self)[1:]:
-            low = {"above" if one.name in _ABOVE_ZERO else "least": 0.0}
-            number(one.name, getattr(self, one.name), **low)
+            amount = getattr(self, one.name)
+            if one.name in _ABOVE_ZERO:
+                number(one.name, amount, above=0.0)
+            else:
+                number(one.name, amount, least=0.0)
 
     @cached_property
     def discs(self) -> Array:
@@ -183,7 +186,7 @@ class RMPController:
         of_each = partial(np.bincount, robots, minlength=len(lasers))
         forces = [of_each((row * away).sum(axis=0)) for row in weighted]
         metrics = [[of_each((row * other).sum(axis=0)) for other in rows] for row in weighted]
-        return np.stack(forces, axis=-1), np.moveaxis(np.array(metrics), -1, 0)
+        return np.stack(forces, axis=-1, dtype=float), np.moveaxis(np.array(metrics, float), -1, 0)
 
     def _limit(
         self, lasers: Array, controls: Array, after: Array, gears: Array, left: Array

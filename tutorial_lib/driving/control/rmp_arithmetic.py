@@ -71,4 +71,5 @@ def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[A
 
 def resolve(forces: Array, metrics: Array, damping: float = 1e-6) -> Array:
     """See `rmp_policies.resolve`."""
-    return np.linalg.solve(metrics + damping * np.eye(2), forces[..., None])[..., 0]
+    found = np.linalg.solve(metrics + damping * np.eye(2), forces[..., None])
+    return np.asarray(found[..., 0], dtype=float)

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
+from tutorial_lib.world.bodies import BicycleCar, Body, DifferentialDrive
 
-Driver = TypeVar("Driver")
+
+class _Drives(Protocol):
+    @property
+    def body(self) -> Body: ...
+
+
+Driver = TypeVar("Driver", bound=_Drives)
 
 
 def for_robots(controller: Driver, observations: Observation) -> Driver:
@@ -23,8 +29,8 @@ def for_robots(controller: Driver, observations: Observation) -> Driver:
     Raises:
         InputError: when the body is neither a car nor a differential drive.
     """
-    body, mine = observations.body, controller.body  # type: ignore[attr-defined]
-    if body is None or body == mine:
+    body = observations.body
+    if body is None or body == controller.body:
         return controller
     if not isinstance(body, BicycleCar | DifferentialDrive):
         raise InputError(

@@ -51,8 +51,13 @@ class Episodes:
 
     def subset(self, index: NDArray[np.intp]) -> "Episodes":
         """Those that an array of indices selects."""
-        kept = (self.starts, self.targets, self.ahead, self.limit)
-        return Episodes(self.recorded, *(values[index] for values in kept))
+        return Episodes(
+            self.recorded,
+            self.starts[index],
+            self.targets[index],
+            self.ahead[index],
+            self.limit[index],
+        )
 
     def within(self, recorded: RecordedWorld) -> "Episodes":
         """The same episodes in a world that looks different."""

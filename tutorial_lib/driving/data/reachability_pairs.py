@@ -56,7 +56,7 @@ class ReachabilityPairs:
     @property
     def seen(self) -> NDArray[np.bool_]:
         """(N,) whether the views overlap enough to predict the outcome from them."""
-        return (self.overlap >= SEEN).all(axis=1)
+        return np.all(self.overlap >= SEEN, axis=1)
 
     @property
     def far_and_occluded(self) -> NDArray[np.bool_]:

@@ -1,6 +1,7 @@
 """Records what robots sense and do in a closed loop, as trajectories."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.geometry import Array
@@ -16,7 +17,7 @@ class Recorder:
 
     def __init__(self) -> None:
         """Nothing yet."""
-        self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
+        self._steps: list[tuple[Robots, tuple[NDArray[np.floating], ...]]] = []
 
     def __call__(
         self, simulation: Simulation, robots: Robots, seen: Observation, actions: Array
@@ -35,8 +36,10 @@ class Recorder:
             if place == len(robots) or robots[place] != robot:
                 break  # a robot that is done does not move again
             rows.append([column[place] for column in row])
-        columns = [np.array(column) for column in zip(*rows, strict=True)]
-        return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)
+        columns = (np.array(column) for column in zip(*rows, strict=True))
+        poses, odometry, laser, speed, steering, actions = columns
+        timestamps = np.arange(len(rows), dtype=float) * STEP
+        return Trajectory(world, seed, poses, odometry, laser, speed, steering, actions, timestamps)
 
 
 def check_recipe(world: str, scene: Scene, seed: int, odometry_noise: OdometryNoise | None) -> None:

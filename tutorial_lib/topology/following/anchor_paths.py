@@ -58,7 +58,7 @@ class AnchorPaths:
                 )
 
     @classmethod
-    def end_to_end(cls, targets: Targets, prepared: Any, lengths: Sequence[int]) -> AnchorPaths:  # noqa: ANN401
+    def end_to_end(cls, targets: Targets, prepared: Any, lengths: ArrayLike) -> AnchorPaths:  # noqa: ANN401
         """Paths of so many anchors each, which lie one after the other among the targets."""
         instance("targets", targets, Sized)
         lengths = integers("lengths", lengths, ("N",), least=1, empty=False)

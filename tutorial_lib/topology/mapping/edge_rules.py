@@ -114,7 +114,7 @@ def reusable_edge(
 
 
 def ahead_of(
-    trajectory: NDArray[np.intp], place: NDArray[np.intp], reused: list[int]
+    trajectory: NDArray[np.intp], place: NDArray[np.intp], reused: ArrayLike
 ) -> NDArray[np.bool_]:
     """(V,) which vertices may follow those `reused`: never backwards along their trajectory.
 

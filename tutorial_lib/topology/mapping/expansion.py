@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from itertools import pairwise
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -89,9 +90,17 @@ def _through_new(
     return _path(trial, here, exits)
 
 
+def shortest_paths(
+    graph: nx.DiGraph, here: int, cost: str | Callable[[int, int, dict[str, Any]], float | None]
+) -> tuple[dict[int, float], dict[int, list[int]]]:
+    """Costs of the shortest paths from a vertex, and the paths, by the vertex at their end."""
+    # networkx's stubs do not say yet that both are by vertex where there is no target.
+    return nx.single_source_dijkstra(graph, here, weight=cost)  # pyrefly: ignore[bad-return]
+
+
 def _path(graph: nx.DiGraph, here: int, exits: Collection[int]) -> list[int] | None:
     """The shortest path to any of the exits."""
-    metres, paths = nx.single_source_dijkstra(graph, here, weight="cost")
+    metres, paths = shortest_paths(graph, here, "cost")
     reached = [vertex for vertex in exits if vertex in metres]
     return paths[min(reached, key=metres.__getitem__)] if reached else None
 

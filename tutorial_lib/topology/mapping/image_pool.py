@@ -108,11 +108,12 @@ class ImagePool:
 
     def _alike(self, sources: NDArray, targets: NDArray) -> tuple[NDArray, NDArray]:
         """Rows and columns of the pairs that are asked about, see `CANDIDATES`."""
-        if not hasattr(self.model, "embed") or max(len(sources), len(targets)) <= CANDIDATES:
+        model, few = self.model, max(len(sources), len(targets)) <= CANDIDATES
+        if few or not (hasattr(model, "embed") and hasattr(model, "embed_targets")):
             rows, columns = np.indices((len(sources), len(targets)))
             return rows.ravel(), columns.ravel()
-        seen = self.model.embed(self.observations[sources])
-        alike = likeness(seen, self.model.embed_targets(self.prepared[targets]))
+        seen = model.embed(self.observations[sources])
+        alike = likeness(seen, model.embed_targets(self.prepared[targets]))
         if len(targets) >= len(sources):
             columns = most_alike(alike, CANDIDATES)
             return np.repeat(np.arange(len(sources)), columns.shape[1]), columns.ravel()

@@ -210,7 +210,7 @@ class Insertion:
         return np.intersect1d(gone, near)
 
 
-def _best(alike: Array, pairs: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+def _best(alike: NDArray[np.floating], pairs: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
     """The `count` most similar of each row's `pairs` (A, C)."""
     best = most_alike(np.where(pairs, alike, -np.inf), count)
     found = np.zeros_like(pairs)

@@ -54,9 +54,10 @@ def most_alike(alike: ArrayLike, count: int) -> NDArray[np.intp]:
     """(N, min(count, M)) indices of the most similar targets, of (N, M); in no order."""
     checked = floats("alike", alike, ("N", "M"), infinite=True)
     # Floats are sorted as they are: in another precision ties would be broken otherwise.
-    alike = alike if np.asarray(alike).dtype.kind == "f" else checked
-    count = min(whole("count", count, least=0), alike.shape[1])
-    return np.argpartition(-alike, max(count - 1, 0), axis=1)[:, :count]
+    given = np.asarray(alike)
+    sortable = given if given.dtype.kind == "f" else checked
+    count = min(whole("count", count, least=0), sortable.shape[1])
+    return np.argpartition(-sortable, max(count - 1, 0), axis=1)[:, :count]
 
 
 class Index:

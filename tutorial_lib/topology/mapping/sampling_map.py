@@ -303,8 +303,8 @@ def _farthest(made: SampledMap, left: list[int], vertices: NDArray[np.intp]) -> 
 
     If none can be joined, any will do.
     """
-    metres = length(made.pool.waypoints[np.ix_(vertices, left)])
-    metres = np.where(made.accepted[np.ix_(vertices, left)], metres, np.inf).min(axis=0)
+    pairs = np.ix_(vertices, np.array(left))
+    metres = np.where(made.accepted[pairs], length(made.pool.waypoints[pairs]), np.inf).min(axis=0)
     return int(np.where(metres < made.rules.connect, metres, -1.0).argmax())
 
 

@@ -62,7 +62,10 @@ class TopoMap:
     def see(self, observations: Observation) -> Embedding:
         """(N, R, D) embeddings of N observations."""
         check_seen(observations)
-        return np.asarray(self.vertices.reachability.embed(observations))
+        reachability = self.vertices.reachability
+        if not hasattr(reachability, "embed"):
+            raise InputError("reachability: embeds no images; give one with the method embed")
+        return np.asarray(reachability.embed(observations))
 
     def show(self, observations: Observation, prepared: Any) -> Embedding:  # noqa: ANN401
         """(N, P, R, D) embeddings of N targets; of their observations, if RE embeds no targets."""

@@ -18,6 +18,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.se2 import Array, relative, to_world, wrap
 from tutorial_lib.topology.mapping.anchors import Anchors
+from tutorial_lib.topology.mapping.growing_batch import GrowingBatch
 from tutorial_lib.topology.mapping.scan_matching import likely_rotations, match_scans
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -88,8 +89,9 @@ class Turns:
 
     def subset(self, chosen: NDArray) -> Turns:
         """Those that an index or a mask selects."""
-        parts = (self.anchors, self.vertices, self.poses, self.scores)
-        return Turns(*(part[chosen] for part in parts))
+        return Turns(
+            self.anchors[chosen], self.vertices[chosen], self.poses[chosen], self.scores[chosen]
+        )
 
     def of(self, anchors: Indices, vertices: Indices) -> Turns:
         """The same with the indices that theirs stand for."""
@@ -237,7 +239,9 @@ def _sights_from(topomap: TopoMap, vertex: int) -> tuple[Array, Array]:
     return _sights(topomap.vertices.observations, vertex, own)
 
 
-def _sights(observations: Observation, place: int, own: Indices) -> tuple[Array, Array]:
+def _sights(
+    observations: Observation | GrowingBatch, place: int, own: Indices
+) -> tuple[Array, Array]:
     """Points (N, 2) in the frame of one place, and colours (N, 3), seen there and close by.
 
     Args:

@@ -29,7 +29,7 @@ _LOW = (236, 226, 238)
 def draw_ghost_graph(
     view: PlanView,
     picture: Picture,
-    nodes: Sequence[ArrayLike] | Array,
+    nodes: ArrayLike,
     edges: Iterable[tuple[int, int]],
     ghosts: Sequence[tuple[int, ArrayLike, float]] = (),
     chosen: ArrayLike | None = None,
@@ -73,7 +73,8 @@ def draw_ghost_graph(
         view.disc(picture, place, _NODE, colours.INK)
         wide, high = text_size(str(node), 0.5)
         corner = view.pixels(place) + np.array([-wide / 2, high / 2])
-        label(picture, str(node), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
+        column, row = np.round(corner).astype(int).tolist()
+        label(picture, str(node), column, row, 0.5, colours.PAPER)
 
 
 def _checked(

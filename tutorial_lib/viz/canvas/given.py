@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from types import EllipsisType
 
+import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,6 +24,11 @@ LARGEST = 16_384
 def picture_of(name: str, value: ArrayLike) -> Picture:
     """A picture (H, W, 3) of bytes, or an `InputError`."""
     return np.ascontiguousarray(images(name, value, ("H", "W", 3), empty=False))
+
+
+def resized(picture: Picture, size: tuple[int, int], how: int) -> Picture:
+    """A picture scaled to columns and rows by one of OpenCV's interpolations."""
+    return np.asarray(cv2.resize(picture, size, interpolation=how), np.uint8)
 
 
 def pictures_of(name: str, values: Iterable[ArrayLike]) -> list[Picture]:

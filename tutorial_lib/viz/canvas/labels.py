@@ -53,7 +53,7 @@ def label(
 def text_size(text: str, size: float = SIZE) -> tuple[int, int]:
     """Width of a text and height of its capitals, in pixels."""
     font = _font(round(_HEIGHT * size))
-    return round(font.getlength(text)), -font.getbbox("H", anchor="ls")[1]
+    return round(font.getlength(text)), round(-font.getbbox("H", anchor="ls")[1])
 
 
 @lru_cache(maxsize=64)
@@ -82,7 +82,8 @@ def write_beside(
     beside = to_world(pose, [0.0, off / view.scale])
     wide, high = text_size(instance("text", text, str), 0.5)
     corner = view.pixels(beside) + np.array([-wide / 2, high / 2])
-    label(picture, text, *np.round(corner).astype(int).tolist(), 0.5)
+    column, row = np.round(corner).astype(int).tolist()
+    label(picture, text, column, row, 0.5)
 
 
 def draw_badge(picture: Picture, text: str, pixel: NDArray[np.float64]) -> None:

@@ -30,8 +30,8 @@ def draw_arrows(
     )
     for start, end in zip(view.pixels(points), ends, strict=True):
         length = max(float(np.linalg.norm(end - start)), 1e-9)
-        corners = [tuple(np.round(16 * corner).astype(int).tolist()) for corner in (start, end)]
-        cv2.arrowedLine(picture, *corners, colour, 1, cv2.LINE_AA, 4, min(0.5, 6.0 / length))
+        tail, tip = (tuple(np.round(16 * corner).astype(int).tolist()) for corner in (start, end))
+        cv2.arrowedLine(picture, tail, tip, colour, 1, cv2.LINE_AA, 4, min(0.5, 6.0 / length))
 
 
 def draw_metrics(

@@ -71,7 +71,8 @@ class PlanView:
     def plain(self) -> Picture:
         """The plan (H, W, 3) in pale grey, for maps that are drawn on it."""
         grey = cv2.cvtColor(cv2.cvtColor(self.base, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
-        return cv2.addWeighted(grey, _PLAIN, np.full_like(grey, 255), 1 - _PLAIN, 0)
+        paled = cv2.addWeighted(grey, _PLAIN, np.full_like(grey, 255), 1 - _PLAIN, 0)
+        return np.asarray(paled, np.uint8)
 
     def pixels(self, points: ArrayLike) -> NDArray[np.float64]:
         """Columns and rows (..., 2) of points (..., 2) in metres.

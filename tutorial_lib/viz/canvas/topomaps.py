@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -89,7 +89,7 @@ def draw_plan(
     view: PlanView,
     picture: Picture,
     poses: ArrayLike,
-    vertices: Sequence[int],
+    vertices: ArrayLike,
     here: ArrayLike | None = None,
     goal: ArrayLike | None = None,
     colour: Colour = colours.PATH,

@@ -1,7 +1,8 @@
 """One frame of a film: the plan, the camera's and the laser's view, and the robot's state."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import overload
 
 import cv2
 import numpy as np
@@ -74,7 +75,13 @@ class RolloutFilm(Sequence[Picture]):
     def __len__(self) -> int:
         return len(self.moments)
 
-    def __getitem__(self, index: int) -> Picture:
+    @overload
+    def __getitem__(self, index: int) -> Picture: ...
+    @overload
+    def __getitem__(self, index: slice) -> "RolloutFilm": ...
+    def __getitem__(self, index: int | slice) -> "Picture | RolloutFilm":
+        if isinstance(index, slice):
+            return replace(self, moments=self.moments[index])
         return dashboard(self.view, self.moments[index], self.title, self.legend)
 
 

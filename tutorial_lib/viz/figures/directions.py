@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import alike, flags, floats, number, whole
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import picture_of, pixels_of
+from tutorial_lib.viz.canvas.given import picture_of, pixels_of, resized
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
@@ -26,7 +26,7 @@ _CELL = 5
 def panorama_picture(image: NDArray[np.uint8], width: int = 768, height: int = 96) -> Picture:
     """A panorama (H, W, 3) enlarged for people; behind the robot is at both ends."""
     size = pixels_of("width", width), pixels_of("height", height)
-    return cv2.resize(picture_of("image", image), size, interpolation=cv2.INTER_NEAREST)
+    return resized(picture_of("image", image), size, cv2.INTER_NEAREST)
 
 
 def scored_panorama(

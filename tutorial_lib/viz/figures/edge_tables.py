@@ -21,7 +21,7 @@ def edge_table(
     values: ArrayLike,
     chosen: ArrayLike,
     rings: ArrayLike | None = None,
-    names: tuple[str, str] = ("from", "to"),
+    names: Sequence[str] = ("from", "to"),
     blank: bool = False,
 ) -> Picture:
     """A table of numbers (R, C); `chosen` cells are green, the others red.
@@ -61,7 +61,7 @@ def edge_table(
     return picture
 
 
-def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: Sequence[float]) -> Picture:
+def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: ArrayLike) -> Picture:
     """Two rows of anchors, one above the other, with the RE of each aligned pair between them.
 
     Args:

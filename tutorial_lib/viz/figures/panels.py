@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import flag, floats, instances, number, whole, with_methods
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import picture_of, pictures_of, pixels_of
+from tutorial_lib.viz.canvas.given import picture_of, pictures_of, pixels_of, resized
 from tutorial_lib.viz.canvas.labels import SIZE, label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
@@ -25,13 +25,14 @@ def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = Fa
     """
     image, width = picture_of("image", image), pixels_of("width", width, least=2)
     how = cv2.INTER_CUBIC if flag("smooth", smooth) else cv2.INTER_NEAREST
-    return cv2.resize(image, (width, round(width / 3)), interpolation=how)
+    return resized(image, (width, round(width / 3)), how)
 
 
 def faded(picture: Picture, share: float = 0.5) -> Picture:
     """A picture made paler by a share from 0 to 1, so that drawings on it stand out."""
     picture, share = picture_of("picture", picture), number("share", share, least=0.0, most=1.0)
-    return cv2.addWeighted(picture, 1 - share, np.full_like(picture, 255), share, 0)
+    paled = cv2.addWeighted(picture, 1 - share, np.full_like(picture, 255), share, 0)
+    return np.asarray(paled, np.uint8)
 
 
 def side_by_side(
@@ -107,7 +108,7 @@ def film_strip(
     high, wide = pictures[0].shape[:2]
     scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))
     size = (max(1, int(wide * scale)), max(1, int(high * scale)))
-    pictures = [cv2.resize(p, size, interpolation=cv2.INTER_AREA) for p in pictures]
+    pictures = [resized(picture, size, cv2.INTER_AREA) for picture in pictures]
     if times is not None:
         under = [line_of_text(f"{times[i]:.1f} s", size[0]) for i in chosen]
         pictures = [np.concatenate(pair) for pair in zip(pictures, under, strict=True)]
@@ -146,7 +147,7 @@ def _scaled(picture: Picture, scale: float) -> Picture:
     height, width = picture.shape[:2]
     how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
     size = (max(1, round(width * scale)), max(1, round(height * scale)))
-    return cv2.resize(picture, size, interpolation=how)
+    return resized(picture, size, how)
 
 
 def line_of_text(text: str, width: int) -> Picture:

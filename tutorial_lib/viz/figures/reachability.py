@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,7 +47,7 @@ def draw_reliability(
     predicted: ArrayLike,
     measured: ArrayLike,
     count: ArrayLike | None = None,
-    **looks: object,
+    **looks: Any,  # noqa: ANN401 - matplotlib's
 ) -> None:
     """Draw a reliability diagram on an axis, with the diagonal of perfect calibration.
 

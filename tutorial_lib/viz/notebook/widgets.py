@@ -65,7 +65,7 @@ class Shell(ipywidgets.VBox):
         self.still = still
 
     def _repr_mimebundle_(self, **keywords: Any) -> dict[str, Any]:  # noqa: ANN401 - IPython's
-        bundle = super()._repr_mimebundle_(**keywords)
+        bundle = super()._repr_mimebundle_(**keywords) or {}
         return {**bundle, "image/png": base64.b64encode(png(self.still())).decode("ascii")}
 
 
@@ -181,6 +181,9 @@ def teleop(
     return TeleopPanel(controller, presses_of("rehearsal", rehearsal))
 
 
+Control = ipywidgets.Dropdown | ipywidgets.IntSlider | ipywidgets.FloatSlider
+
+
 class SliderPanel(Shell):
     """Sliders, a picture and a line of text; see `sliders`.
 
@@ -262,7 +265,7 @@ def sliders(
     return SliderPanel(render, ranges, instance("labels", labels or {}, Mapping))
 
 
-def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.Widget:
+def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> Control:
     look = {
         "description": label,
         "style": {"description_width": "16em"},
@@ -271,16 +274,16 @@ def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> 
     advice = f"sliders: {name}={span!r}; give (low, high, step, value) or words"
     if isinstance(span, str) or not isinstance(span, Iterable):
         raise InputError(advice)
-    span = tuple(span)
-    if span and all(isinstance(word, str) for word in span):
-        return ipywidgets.Dropdown(options=span, value=span[0], **look)
-    real = len(span) == 4 and all(
-        isinstance(n, int | float | np.integer | np.floating) for n in span
-    )
-    if not real or not (-np.inf < span[0] <= span[3] <= span[1] < np.inf and 0 < span[2] < np.inf):
+    given = tuple(span)
+    if given and all(isinstance(word, str) for word in given):
+        return ipywidgets.Dropdown(options=given, value=given[0], **look)
+    real = [n for n in given if isinstance(n, int | float | np.integer | np.floating)]
+    if not len(real) == len(given) == 4:
         raise InputError(advice)
-    low, high, step, value = span
-    if all(isinstance(number, int | np.integer) for number in span):
+    low, high, step, value = real
+    if not (-np.inf < low <= value <= high < np.inf and 0 < step < np.inf):
+        raise InputError(advice)
+    if all(isinstance(number, int | np.integer) for number in real):
         return ipywidgets.IntSlider(value=value, min=low, max=high, step=step, **look)
     digits = len(f"{step:g}".partition(".")[2])  # as many as the step has
     return ipywidgets.FloatSlider(

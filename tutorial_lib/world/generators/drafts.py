@@ -75,4 +75,5 @@ class Opening:
         low, high = self.hole[along], self.hole[along + 2]
         if not min(start[along], end[along]) < low < high < max(start[along], end[along]):
             return None
-        return tuple(sorted((abs(low - start[along]), abs(high - start[along]))))
+        one, other = abs(low - start[along]), abs(high - start[along])
+        return min(one, other), max(one, other)

@@ -89,8 +89,9 @@ def _tiles(rng: np.random.Generator, spacing: Range, base: Colour) -> list[Strip
     if not spacing[1]:
         return []
     count = round(PERIOD / rng.uniform(*spacing))
-    line = tuple(int(channel * 0.8) for channel in base)
-    return [_stripe(i * PERIOD / count, i * PERIOD / count + LINE, line) for i in range(count)]
+    red, green, blue = (int(channel * 0.8) for channel in base)
+    starts = (i * PERIOD / count for i in range(count))
+    return [_stripe(start, start + LINE, (red, green, blue)) for start in starts]
 
 
 def _draw(

@@ -47,7 +47,7 @@ class Band:
         x0, y0, _, y1 = self.rect if self.along_x else _transposed(self.rect)
         far = min(far, self.depth)
         low, high = (y1 - far, y1 - near) if self.front_high else (y0 + near, y0 + far)
-        rect = tuple(tidy(value) for value in (x0 + start, low, x0 + start + length, high))
+        rect = tidy(x0 + start), tidy(low), tidy(x0 + start + length), tidy(high)
         return rect if self.along_x else _transposed(rect)
 
 

@@ -77,8 +77,8 @@ def _room_models(rng: np.random.Generator, module: Module) -> list[Model]:
         width = tidy(rng.uniform(0.9, 1.1))
         free = module.pitch - module.wall - width - 2 * CORNER
         x = tidy(module.wall / 2 + CORNER + rng.beta(0.5, 0.5) * free)
-        hole = (x, module.hall - module.wall / 2, x + width, module.hall + module.wall / 2)
-        hole = tuple(tidy(value) for value in hole)
+        low, high = module.hall - module.wall / 2, module.hall + module.wall / 2
+        hole = tidy(x), tidy(low), tidy(x + width), tidy(high)
         pieces = furnish_room(rng, room, [Opening(hole, True, (0, 0)).approach])
         first = kinds[-1].groups.stop if kinds else 0
         kinds.append(Model(room, hole, pieces, range(first, first + len(pieces))))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.floorplan import FloorPlan
@@ -76,7 +76,7 @@ class Depth:
         grid = clearance_grid(plan, _RESOLUTION)
         rows, columns = np.nonzero(grid.clearance >= _FIT)
         self._plan, self._points = plan, grid.centres(np.stack([rows, columns], axis=1))
-        self._tree = cKDTree(self._points)
+        self._tree = KDTree(self._points)
         number = np.full(np.add(grid.clearance.shape, 1), -1)
         number[rows, columns] = np.arange(len(rows))
         graph = _graph(number)

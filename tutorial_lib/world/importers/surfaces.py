@@ -71,7 +71,9 @@ def dress_loops(
     Raises:
         InputError: when the loops are so long that they need more than `MAX_SURFACES`.
     """
-    walls, numbers, offsets = [], [], []
+    walls: list[NDArray[np.float64]] = []
+    numbers: list[NDArray[np.intp]] = []
+    offsets: list[NDArray[np.float64]] = []
     count, shared, used = 0, -1, SPAN
     for loop in loops:
         sides, along = _cut(loop)
@@ -95,11 +97,11 @@ def dress_loops(
         numbers.append(number)
         offsets.append(offset)
     materials = tuple(_material(f"surface{i}", rng, palette) for i in range(count))
-    names = tuple(materials[number].name for number in np.concatenate(numbers))
+    names = tuple(materials[number].name for number in np.concatenate(numbers).tolist())
     return np.concatenate(walls), names, np.round(np.concatenate(offsets), 6), materials
 
 
-def _cut(loop: NDArray[np.float64]) -> Walls:
+def _cut(loop: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A loop's sides (K, 4), cut where its material changes, and metres (K,) up to each."""
     ring = np.concatenate([loop, loop[:1]])
     place = np.append(0.0, np.cumsum(np.hypot(*np.diff(ring, axis=0).T)))
