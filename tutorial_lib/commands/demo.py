@@ -174,5 +174,8 @@ def _ends(options: argparse.Namespace) -> tuple[End | None, End | None]:
     """Start and goal that were asked for."""
     from tutorial_lib.experiments.demos.ends import parse_end
 
-    start, goal = options.start, options.goal
-    return start and parse_end("--start", start), goal and parse_end("--goal", goal)
+    start, goal = (
+        None if text is None else parse_end(f"--{name}", text)
+        for name, text in (("start", options.start), ("goal", options.goal))
+    )
+    return start, goal
