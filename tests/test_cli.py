@@ -103,6 +103,7 @@ def test_options_that_do_not_count_are_refused_by_name(tmp_path, capsys):
         "--map x.yaml --family maze": "--family: the demo cannot use it beside --map",
         "--explore --learn": "--learn: the demo cannot use it with --explore",
         "--start 1,2": "--start 1,2: give x,y,heading in metres and radians",
+        "--start=": "--start : give x,y,heading in metres and radians, or a room",
         "--goal ballroom": "--goal: no room is called 'ballroom'; there are hallway",
         "--explore --goal ballroom": "--goal: no room is called 'ballroom'; there are",
         "--explore --start 900,0,0": "--start: at (900.00, 0.00) heading 0.00",

@@ -114,7 +114,7 @@ class Reachability(Protocol):
     It may also have `embed(observations)`, for retrieval: without it a map is built exhaustively.
     """
 
-    def prepare(self, targets: Targets) -> Any:  # noqa: ANN401 - whatever the estimator caches
+    def prepare(self, targets: Targets, /) -> Any:  # noqa: ANN401 - whatever the estimator caches
         """Compute once what does not depend on the observation; may return `targets` itself."""
 
     def probability(self, observations: Observation, prepared: Any) -> Array:  # noqa: ANN401

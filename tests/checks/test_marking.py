@@ -276,8 +276,8 @@ def test_without_namespaces_all_processes_are_ended_too(tmp_path):
     def refuse(flags):
         raise OSError(1, "Operation not permitted")
     limits._unshare = refuse
-    start, missing = worker.forking(Path({str(tmp_path)!r}), [])
-    print(missing)
+    start = worker.Server(Path({str(tmp_path)!r}), [])
+    print(start.missing)
     text = {OUTLIVES + RIGHT!r}.replace("OUTSIDE", {str(tmp_path)!r}).encode()
     print(worker.judge(check_to_local, "01_to_local.py", text, start)[0])
     """

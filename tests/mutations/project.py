@@ -65,7 +65,7 @@ MUTATIONS = [
     (
         "a package whose code is gone counts as installed",
         "commands/installed.py",
-        "if any(not package.locate_file(path).exists() for path in _code(package)):",
+        "if any(not Path(str(package.locate_file(path))).exists() for path in _code(package)):",
         "if False:",
         "commands/test_installed.py",
     ),

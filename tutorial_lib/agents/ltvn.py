@@ -16,6 +16,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller, Experience, Goals, RelativeModel
 from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules
+from tutorial_lib.topology.mapping.image_pool import ImagePool
 from tutorial_lib.topology.mapping.sampling_map import SampledMap, SamplingRules, sampled_map
 from tutorial_lib.topology.mapping.sparsify import contextified
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings
@@ -42,7 +43,7 @@ class LTVNAgent:
         turned: see `apart`.
         turns: when images that look different ways are joined by turning; never if None (ours).
         seed: of the order in which images are sampled.
-        sampled: what was learned.
+        sampled: the map, empty at first.
         frames: (M,) of each image of its pool, on its drive.
         upkeep: its maintenance.
     """
@@ -71,9 +72,8 @@ class LTVNAgent:
         if self.turns is not None:
             instance("turns", self.turns, TurnSettings)
         whole("seed", self.seed, least=0)
-        self.sampled: SampledMap | None = None
         self.frames = np.empty(0, dtype=np.intp)
-        self.upkeep: Maintenance | None = None
+        self.use(SampledMap(ImagePool(self.model), self.rules))
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Build a map of drives; it replaces what was learned before.
@@ -108,7 +108,7 @@ class LTVNAgent:
         Raises:
             InputError: when nothing was learned.
         """
-        if self.sampled is None or self.upkeep is None:
+        if not len(self.sampled.pool):
             raise InputError("map: none; let the agent learn first")
         return LTVNNavigation(
             self.sampled,

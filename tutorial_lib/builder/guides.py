@@ -10,8 +10,7 @@ import re
 from importlib import import_module
 from pathlib import Path
 
-import jupytext
-
+from tutorial_lib.builder.notebooks import cells_of
 from tutorial_lib.builder.page import Entry, read_glossary, title_of
 from tutorial_lib.builder.standard import minutes_of
 from tutorial_lib.errors import InputError
@@ -100,7 +99,7 @@ def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -
 
 
 def _prose(source: Path) -> str:
-    cells = jupytext.reads(source.read_text(encoding="utf-8"), fmt="py:percent").cells
+    cells = cells_of(source.read_text(encoding="utf-8")).cells
     text = "\n\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
     return re.sub(r"\[\[([^\]]+)\]\]", r"\1", text)
 
@@ -155,7 +154,7 @@ def _predictions(source: Path) -> list[str]:
 def _said(node: ast.expr) -> str:
     """The text of a string in a source; what is computed is left out."""
     parts = node.values if isinstance(node, ast.JoinedStr) else [node]
-    return "".join(part.value if isinstance(part, ast.Constant) else "…" for part in parts)
+    return "".join(str(part.value) if isinstance(part, ast.Constant) else "…" for part in parts)
 
 
 def _known_mistakes(text: str, source: Path) -> list[str]:
@@ -176,7 +175,9 @@ def _mistakes(path: Path) -> list[str]:
         return []
     rows = []
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        exercise, _, mistake = getattr(node, "name", "").partition("__")
+        if not isinstance(node, ast.FunctionDef):
+            continue
+        exercise, _, mistake = node.name.partition("__")
         if mistake and not mistake.startswith("right"):
             said = html.escape(_line(ast.get_docstring(node) or ""))
             rows.append(

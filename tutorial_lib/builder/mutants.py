@@ -14,10 +14,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import jupytext
-
 from tutorial_lib.builder.mutation import changes
-from tutorial_lib.builder.notebooks import BEGIN, END
+from tutorial_lib.builder.notebooks import BEGIN, END, cells_of
 from tutorial_lib.checks.framework.check import Check
 from tutorial_lib.checks.framework.global_names import global_names
 from tutorial_lib.errors import InputError
@@ -64,7 +62,7 @@ def exercises(source: Path) -> list[Exercise]:
     Args:
         source: ``solutions/NN_name.py``.
     """
-    cells = jupytext.reads(source.read_text(encoding="utf-8"), fmt="py:percent").cells
+    cells = cells_of(source.read_text(encoding="utf-8")).cells
     code = [cell.source for cell in cells if cell.cell_type == "code"]
     named = [cell.metadata.get("exercise") for cell in cells if cell.cell_type == "code"]
     checks = import_module(f"tutorial_lib.checks.nb{source.stem[:2]}")

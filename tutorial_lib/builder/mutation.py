@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from typing import Any
 
 _COMPARE: dict[type, tuple[type, ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
@@ -69,6 +70,8 @@ def changes(code: str, within: range) -> Iterator[tuple[str, str]]:
 
 _Swap = Callable[[], Callable[[], None]]
 """Makes a change, and returns what undoes it."""
+_Holder = ast.AST | list[Any]
+"""Where an expression stands: in a field of a node, by its name, or in a list, by its number."""
 
 
 def _all_swaps(
@@ -78,7 +81,9 @@ def _all_swaps(
     for parent in ast.walk(tree):
         for field in ("body", "orelse"):
             statements = getattr(parent, field, None)
-            for i, statement in enumerate(statements if isinstance(statements, list) else ()):
+            if not isinstance(statements, list):
+                continue
+            for i, statement in enumerate(statements):
                 if statement.lineno not in within or isinstance(statement, ast.FunctionDef):
                     continue
                 for new in (*_statements(statement), *_deleted(statement)):
@@ -93,23 +98,22 @@ def _all_swaps(
                         yield (lambda statement=statement: statement), _line(statement), swap
 
 
-def _exchange(holder: object, key: str | int, new: object) -> _Swap:
+def _exchange(holder: _Holder, key: Any, new: object) -> _Swap:  # noqa: ANN401 - see `_Holder`
+    def put(value: object) -> None:
+        if isinstance(holder, list):
+            holder[key] = value
+        else:
+            setattr(holder, key, value)
+
     def swap() -> Callable[[], None]:
-        old = holder[key] if isinstance(key, int) else getattr(holder, key)
-        _set(holder, key, new)
-        return lambda: _set(holder, key, old)
+        old = holder[key] if isinstance(holder, list) else getattr(holder, key)
+        put(new)
+        return lambda: put(old)
 
     return swap
 
 
-def _set(holder: object, key: str | int, value: object) -> None:
-    if isinstance(key, int):
-        holder[key] = value
-    else:
-        setattr(holder, key, value)
-
-
-def _slots(node: ast.AST) -> Iterator[tuple[object, str | int, ast.AST]]:
+def _slots(node: ast.AST) -> Iterator[tuple[_Holder, str | int, ast.AST]]:
     """Where the expressions of one statement stand, without those of statements within it."""
     for field, value in ast.iter_fields(node):
         if isinstance(value, list):
@@ -168,8 +172,8 @@ def _expressions(node: ast.AST) -> list[ast.AST]:
     if isinstance(node, ast.Call):
         return _calls(node)
     if isinstance(node, ast.Slice):
-        parts = {name: getattr(node, name) for name in ("lower", "upper", "step")}
-        return [ast.Slice(**{**parts, name: None}) for name, part in parts.items() if part]
+        parts = (node.lower, node.upper, node.step)
+        return [ast.Slice(*(None if p is part else p for p in parts)) for part in parts if part]
     if isinstance(node, ast.IfExp):
         return [node.body, node.orelse]
     if isinstance(node, ast.comprehension) and node.ifs:
@@ -199,7 +203,7 @@ def _arithmetic(node: ast.BinOp) -> list[ast.AST]:
     return new
 
 
-def _constants(value: object) -> list[object]:
+def _constants(value: object) -> list[float]:
     if isinstance(value, bool):
         return [not value]
     if isinstance(value, int):

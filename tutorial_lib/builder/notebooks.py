@@ -70,10 +70,15 @@ def build(source: Path, project: Path, *, students_only: bool = False) -> list[P
     return written
 
 
+def cells_of(text: str) -> NotebookNode:
+    """A source as a notebook, as it stands."""
+    return NotebookNode(jupytext.reads(text, fmt="py:percent"))
+
+
 def read(source: Path, wrong_answers: Path) -> NotebookNode:
     """The solved notebook, without outputs, after all rules have been checked."""
     text = source.read_text(encoding="utf-8")
-    notebook = jupytext.reads(text, fmt="py:percent")
+    notebook = cells_of(text)
     starts = [n for n, line in enumerate(text.splitlines(), 1) if line.startswith("# %%")]
     if len(starts) != len(notebook.cells):
         raise InputError(f"{source.name}:1: text stands before the first '# %%'; start with a cell")
@@ -107,7 +112,7 @@ def read(source: Path, wrong_answers: Path) -> NotebookNode:
 def for_students(solved: NotebookNode) -> NotebookNode:
     """A copy with every solution replaced by a stub."""
     notebook = nbformat.from_dict(solved)
-    notebook = nbformat.reads(nbformat.writes(notebook), as_version=4)
+    notebook = NotebookNode(nbformat.reads(nbformat.writes(notebook), as_version=4))
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.source = stubbed(cell.source)
@@ -220,7 +225,7 @@ def _is_current(target: Path, solved: NotebookNode) -> bool:
     """Whether the solved notebook on disk has this code, and was executed."""
     if not target.exists():
         return False
-    there = nbformat.read(target, as_version=4)
+    there = NotebookNode(nbformat.read(target, as_version=4))
     code = [(cell.id, cell.source) for cell in there.cells]
     if any(is_bar(output) for cell in there.cells for output in cell.get("outputs", ())):
         return False

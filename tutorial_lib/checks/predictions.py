@@ -59,6 +59,7 @@ class Prediction:
     before: Picture
     after: Picture | None = None
     choice: str = field(default="", init=False)
+    _answer_picture: Picture = field(init=False, repr=False)
     _panel: PressPanel | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -70,7 +71,8 @@ class Prediction:
         if self.tempting == self.right:
             raise InputError(f"tempting: {self.tempting!r} is right; give a wrong option")
         self.before = picture_of("before", self.before)
-        self.after = self.before if self.after is None else picture_of("after", self.after)
+        after = self.before if self.after is None else picture_of("after", self.after)
+        self.after = self._answer_picture = after
         self.choice = record.predictions(self.notebook).get(self.name, {}).get("choice", "")
         if self.choice not in self.options:
             self.choice = ""
@@ -101,7 +103,7 @@ class Prediction:
 
     def render(self) -> Picture:
         """The picture that is asked about, or the one that shows the answer."""
-        return self.after if self.choice else self.before
+        return self._answer_picture if self.choice else self.before
 
     @property
     def text(self) -> str:
@@ -139,7 +141,7 @@ class Prediction:
         """The picture above its text; on a page that is stored, with the answer."""
         told = bool(self.choice) or not os.environ.get(STATIC)
         lines = self.text.split("\n") if told else [self.ask, *self._listed(), *self._answer()]
-        picture = self.render() if told else self.after
+        picture = self.render() if told else self._answer_picture
         wide = max(picture.shape[1], _NARROWEST)
         short = [part for line in lines for part in wrap(line, wide // _LETTER)]
         text = np.concatenate([line_of_text(line, wide) for line in short])

@@ -111,7 +111,10 @@ def _explore(options: argparse.Namespace) -> bool:
         # What is wrong with the seed is said of the seed that was given.
         number = seed + (TRAINING_SEEDS.stop if seed >= 0 else 0)
         plan, name = _plan(options, seed, number, signs="wayfinding")
-        outcome = run_exploration_demo(plan, seed, Path.cwd(), **_ends(options), name=name, say=say)
+        start, goal = _ends(options)
+        outcome = run_exploration_demo(
+            plan, seed, Path.cwd(), start=start, goal=goal, name=name, say=say
+        )
     print(
         f"{outcome.plan}, never seen before: {outcome.ending}, after {outcome.steps} actions and "
         f"{outcome.travelled} m (geodesic {outcome.geodesic} m, SPL {outcome.spl})."
@@ -128,11 +131,13 @@ def _navigate(options: argparse.Namespace) -> bool:
         from tutorial_lib.experiments.demos.navigation_demo import run_demo
 
         plan, name = _plan(options, seed, seed)
+        start, goal = _ends(options)
         outcome = run_demo(
             plan,
             seed,
             Path.cwd(),
-            **_ends(options),
+            start=start,
+            goal=goal,
             name=name,
             oracle=options.oracle,
             learn=options.learn,
@@ -165,9 +170,12 @@ def _plan(
     return plan, f"{plan.family} {plan.seed}"
 
 
-def _ends(options: argparse.Namespace) -> dict[str, End | None]:
+def _ends(options: argparse.Namespace) -> tuple[End | None, End | None]:
     """Start and goal that were asked for."""
     from tutorial_lib.experiments.demos.ends import parse_end
 
-    given = {name: getattr(options, name) for name in ("start", "goal")}
-    return {name: text and parse_end(f"--{name}", text) for name, text in given.items()}
+    start, goal = (
+        None if text is None else parse_end(f"--{name}", text)
+        for name, text in (("start", options.start), ("goal", options.goal))
+    )
+    return start, goal

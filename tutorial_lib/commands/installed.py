@@ -40,7 +40,7 @@ def lost(course: str = COURSE) -> list[str]:
         version = dict(fields).get("Version", "")
         if not version or not wanted.specifier.contains(version, prereleases=True):
             found.add(wanted.name)
-        if any(not package.locate_file(path).exists() for path in _code(package)):
+        if any(not Path(str(package.locate_file(path))).exists() for path in _code(package)):
             found.add(wanted.name)
         for needed in (Requirement(text) for key, text in fields if key == "Requires-Dist"):
             marker, extras = needed.marker, {"", *wanted.extras}

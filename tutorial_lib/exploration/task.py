@@ -246,7 +246,7 @@ def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:
 
 
 def explore_on(
-    task: ExplorationTask, agent: SequentialExplorer, goals: Array
+    task: ExplorationTask, agent: ExplorerAgent, goals: Array
 ) -> Iterator[tuple[NDArray[np.bool_], Array]]:
     """Let an agent look for several goals in a row, and remember between them (section 6.1).
 

@@ -61,7 +61,7 @@ def exercise(
     """
     known = mistakes_of(rule, mistakes) | dict(others or {})
     right, faults = rule, known
-    compared = judge_topics if isinstance(cases, Sequence) else compare
+    compared: Function = judge_topics if isinstance(cases, Sequence) else compare
     if run is not None:
         right, faults = partial(run, rule), {words: partial(run, f) for words, f in known.items()}
         there = beside(run)

@@ -35,7 +35,7 @@ def telling(answers: Sequence[Any]) -> bool:
     """Whether answers hold different numbers besides 0, so that few rules give all of them."""
     numbers = [values for values in map(_numbers, answers) if values is not None]
     different = np.unique(np.concatenate(numbers)) if numbers else np.zeros(0)
-    return np.count_nonzero(np.isfinite(different) & (different != 0)) >= _FEWEST
+    return bool(np.count_nonzero(np.isfinite(different) & (different != 0)) >= _FEWEST)
 
 
 def _rounded(got: Array, want: Array) -> str:

@@ -27,6 +27,7 @@ _COLOURS = {"passed": "#007a57", "failed": "#b84a00", "not attempted": "#5f6570"
 _ROUNDS = 5
 
 Function = Callable[..., Any]
+Status = Literal["passed", "failed", "not attempted"]
 
 
 class WrongAnswer(Exception):  # noqa: N818 - it is an answer, not an error of ours
@@ -46,7 +47,7 @@ class Result:
     """The outcome of a check, as text and as HTML."""
 
     exercise: str
-    status: Literal["passed", "failed", "not attempted"]
+    status: Status
     message: str
     picture: NDArray[np.uint8] | None = None
 
@@ -63,7 +64,7 @@ class Result:
             f'<b>{self.exercise}</b> <b style="color:{colour}">{self.status}</b><br>{text}'
         )
         if self.picture is not None:
-            data = b64encode(cv2.imencode(".png", self.picture[..., ::-1])[1]).decode()
+            data = b64encode(cv2.imencode(".png", self.picture[..., ::-1])[1].tobytes()).decode()
             page += f'<br><img alt="target and yours" src="data:image/png;base64,{data}">'
         return page + "</div>"
 

@@ -68,8 +68,9 @@ def place(error: BaseException) -> str:
 
     An error of another process brings it along, as its `place`.
     """
-    if isinstance(getattr(error, "place", None), str):
-        return error.place
+    brought = getattr(error, "place", None)
+    if isinstance(brought, str):
+        return brought
     own = [f for f in traceback.extract_tb(error.__traceback__) if not _is_others(f.filename)]
     if not own:
         return ""

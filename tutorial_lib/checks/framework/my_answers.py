@@ -101,8 +101,10 @@ def read(file: Path, name: str) -> Function:
         InputError: when it does not run or defines no such function.
     """
     spec = importlib.util.spec_from_file_location(f"my_answers_{file.stem}", file)
-    module = importlib.util.module_from_spec(spec)
     words = "mend it, or delete it and solve the exercise again"
+    if spec is None or spec.loader is None:
+        raise InputError(f"{file} is no Python file; its name ends in .py")
+    module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
         function = vars(module).get(name)
@@ -128,7 +130,8 @@ def _text_of(function: Function, name: str) -> str:
     first = sorted(needed.imports, key=lambda line: (line.startswith("from"), line))
     constants = [f"{name} = {value}" for name, value in needed.constants.items()]
     lines = "\n\n".join(filter(None, ["\n".join(first), "\n".join(constants)]))
-    return "\n\n\n".join(filter(None, [lines, *needed.functions.values()])) + "\n"
+    texts = [lines, *needed.functions.values()]
+    return "\n\n\n".join(filter(None, texts)) + "\n"
 
 
 class _Needed:

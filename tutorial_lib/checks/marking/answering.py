@@ -36,7 +36,7 @@ class _Answer:
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
-        self.function: Callable[..., Any] | None = None
+        self.function: Callable[..., Any]  # once it is loaded
 
     def serve(self) -> None:
         """Do what the check asks for, until it asks no more."""
@@ -79,9 +79,7 @@ class _Answer:
         if kind == "value":
             return parts[0]
         names, words, key = parts
-        error = error_of(names, words)
-        error.key = key
-        raise error
+        raise error_of(names, words, key=key)
 
 
 class _Comparable(pickle.Pickler):

@@ -14,14 +14,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import joblib
 from numpy.typing import NDArray
 
 import tutorial_lib
-from tutorial_lib.checks.framework.check import Result
+from tutorial_lib.checks.framework.check import Result, Status
 from tutorial_lib.checks.marking.handed_in import Student
+from tutorial_lib.checks.marking.warden import pipes
 from tutorial_lib.errors import InputError, one_line
 
 _LIBRARY = Path(tutorial_lib.__file__).resolve().parents[1]
@@ -51,7 +52,7 @@ class Mark:
     """
 
     exercise: str
-    status: str
+    status: Status | Literal["not handed in"]
     message: str = ""
     printed: str = ""
     picture: NDArray | None = None
@@ -73,9 +74,9 @@ class Workers:
     def __init__(self, folder: Path, hidden: Sequence[Path]) -> None:
         """Of processes whose answers may write into `folder`, and do not see what is `hidden`."""
         self._setup = sys.platform == "linux", folder, tuple(hidden)
-        self._all: list[subprocess.Popen] = []
+        self._all: list[subprocess.Popen[bytes]] = []
         self._over = False
-        self._idle: queue.SimpleQueue[subprocess.Popen] = queue.SimpleQueue()
+        self._idle: queue.SimpleQueue[subprocess.Popen[bytes]] = queue.SimpleQueue()
         self.exercises, self.missing = list[str](), ""
 
     def start(self, count: int) -> None:
@@ -85,7 +86,7 @@ class Workers:
             self.exercises, self.missing = self._ready(worker)
             self._idle.put(worker)
 
-    def _start(self) -> subprocess.Popen:
+    def _start(self) -> subprocess.Popen[bytes]:
         worker = subprocess.Popen(
             [sys.executable, "-m", "tutorial_lib.checks.marking.worker"],
             cwd=_LIBRARY,
@@ -97,7 +98,7 @@ class Workers:
         self._all.append(worker)
         return worker
 
-    def _ready(self, worker: subprocess.Popen) -> tuple[list[str], str]:
+    def _ready(self, worker: subprocess.Popen[bytes]) -> tuple[list[str], str]:
         try:
             return _asked(worker, self._setup)
         except (EOFError, OSError):
@@ -131,16 +132,17 @@ class Workers:
         for worker in self._all:
             worker.kill()
             with suppress(OSError):
-                worker.stdin.close()
+                pipes(worker)[0].close()
         for worker in self._all:
             worker.wait()
-            worker.stdout.close()
+            pipes(worker)[1].close()
 
 
-def _asked(worker: subprocess.Popen, message: object) -> Any:  # noqa: ANN401
-    pickle.dump(message, worker.stdin)
-    worker.stdin.flush()
-    return pickle.load(worker.stdout)
+def _asked(worker: subprocess.Popen[bytes], message: object) -> Any:  # noqa: ANN401
+    given, said = pipes(worker)
+    pickle.dump(message, given)
+    given.flush()
+    return pickle.load(said)
 
 
 @contextmanager

@@ -24,7 +24,7 @@ _ITEMS = 100_000  # of an iterator, which may have no end
 _LIBRARY = "tutorial_lib."
 _KINDS = re.compile(r"[<>|=][biufcUSMm]\d+(\[\w+\])?")
 _GRAPHS = (nx.MultiDiGraph, nx.MultiGraph, nx.DiGraph, nx.Graph)
-_PLAIN = (dict, list, tuple, set, frozenset, str, bytes, int, float)
+_PLAIN: tuple[type, ...] = (dict, list, tuple, set, frozenset, str, bytes, int, float)
 
 
 def parts(value: Any) -> tuple[Any, ...]:  # noqa: ANN401
@@ -40,7 +40,9 @@ def parts(value: Any) -> tuple[Any, ...]:  # noqa: ANN401
     for graph in _GRAPHS:
         if isinstance(value, graph):
             edges = (
-                value.edges(keys=True, data=True) if value.is_multigraph() else value.edges.data()
+                value.edges(keys=True, data=True)
+                if isinstance(value, nx.MultiGraph)
+                else value.edges.data()
             )
             return "graph", graph.__name__, dict(value.graph), list(value.nodes.data()), list(edges)
     if kind.__module__.startswith(_LIBRARY):

@@ -18,11 +18,11 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from importlib import import_module
 from multiprocessing.connection import Connection, Listener, Pipe, wait
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from tutorial_lib.checks.framework import guard
 from tutorial_lib.checks.marking.answering import serve
@@ -46,8 +46,15 @@ _FIRST_USER = 2_000_000_000
 Report = dict[str, Any]
 """How an answer's process ended ("status", as `subprocess` has it; None where it was ended by its
 check) and what it printed ("printed", bytes)."""
-Start = Callable[[], Any]
+Start = Callable[[], AbstractContextManager[tuple[Connection, Report]]]
 """Starts a process: a context that gives the connection to it and a list for its report."""
+
+
+def pipes(process: subprocess.Popen[bytes]) -> tuple[IO[bytes], IO[bytes]]:
+    """The standard input and output of a process that was started with both."""
+    if process.stdin is None or process.stdout is None:
+        raise ValueError("start it with stdin=PIPE and stdout=PIPE")
+    return process.stdin, process.stdout
 
 
 def imported(names: Sequence[str]) -> None:
@@ -57,28 +64,31 @@ def imported(names: Sequence[str]) -> None:
             import_module(name)
 
 
-def forking(folder: Path, hidden: Sequence[Path]) -> tuple[Start, str]:
-    """How to start answers by a server, a fork of this process; and what it cannot keep them from.
+class Server:
+    """A fork of this process that starts answers, one at each call, until it is closed.
 
-    Args:
-        folder: where answers may write.
-        hidden: folders that look empty to them.
+    Attributes:
+        missing: what it cannot keep answers from; empty if nothing.
     """
-    ours, theirs = socket.socketpair()
-    if os.fork() == 0:
-        ours.close()
-        try:
-            _serve(theirs, folder, hidden)
-        finally:
-            os._exit(0)
-    theirs.close()
-    missing = ours.recv(4096).decode().strip()
+
+    def __init__(self, folder: Path, hidden: Sequence[Path]) -> None:
+        """Of answers that may write into `folder`, and to which the folders `hidden` look empty."""
+        self._requests, theirs = socket.socketpair()
+        if os.fork() == 0:
+            self._requests.close()
+            try:
+                _serve(theirs, folder, hidden)
+            finally:
+                os._exit(0)
+        theirs.close()
+        self.missing = self._requests.recv(4096).decode().strip()
 
     @contextmanager
-    def start() -> Iterator[tuple[Connection, Report]]:
+    def __call__(self) -> Iterator[tuple[Connection, Report]]:
+        """Start an answer; see `Start`."""
         connection, other = Pipe()
         control, far = Pipe()
-        socket.send_fds(ours, [b"!"], [other.fileno(), far.fileno()])
+        socket.send_fds(self._requests, [b"!"], [other.fileno(), far.fileno()])
         other.close()
         far.close()
         report: Report = {}
@@ -92,8 +102,9 @@ def forking(folder: Path, hidden: Sequence[Path]) -> tuple[Start, str]:
                 report.update(status=int(status) if status else None, printed=printed)
             control.close()
 
-    start.close = ours.close
-    return start, missing
+    def close(self) -> None:
+        """Start no more."""
+        self._requests.close()
 
 
 def _serve(requests: socket.socket, folder: Path, hidden: Sequence[Path]) -> None:
@@ -111,7 +122,8 @@ def _serve(requests: socket.socket, folder: Path, hidden: Sequence[Path]) -> Non
         if os.fork() == 0:
             requests.close()
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            _watch(*handles, folder, isolation)
+            connection, control = handles
+            _watch(connection, control, folder, isolation)
             os._exit(0)
         for handle in handles:
             os.close(handle)
@@ -223,7 +235,10 @@ def _children() -> list[int]:
 
 
 def spawning(folder: Path) -> tuple[Start, str]:
-    """How to start answers where a process with libraries cannot be forked; see `forking`."""
+    """How to start answers where a process with libraries cannot be forked.
+
+    They may write into `folder`. Returned, too, is what they are not kept from.
+    """
 
     @contextmanager
     def start() -> Iterator[tuple[Connection, Report]]:
@@ -238,11 +253,12 @@ def spawning(folder: Path) -> tuple[Start, str]:
                 start_new_session=True,
             )
             words = f"{listener.address}\n{key.hex()}\n{place}\n".encode()
-            process.stdin.write(words)
-            process.stdin.close()
+            given, said = pipes(process)
+            given.write(words)
+            given.close()
             connection = listener.accept()
         printed = bytearray()
-        reader = threading.Thread(target=_keep, args=(process.stdout, printed), daemon=True)
+        reader = threading.Thread(target=_keep, args=(said, printed), daemon=True)
         reader.start()
         try:
             yield connection, report
@@ -261,7 +277,7 @@ def spawning(folder: Path) -> tuple[Start, str]:
     return start, f"{words}: they can reach both, and marking is slower"
 
 
-def _keep(output: Any, printed: bytearray) -> None:  # noqa: ANN401
+def _keep(output: IO[bytes], printed: bytearray) -> None:
     """Keep the first of what a process prints, and read the rest."""
-    while data := output.read1(1 << 16):
+    while data := os.read(output.fileno(), 1 << 16):
         printed += data[: _KEPT - len(printed)]

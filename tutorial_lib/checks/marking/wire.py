@@ -13,7 +13,7 @@ import io
 import pickle
 from collections.abc import Callable, Sequence
 from enum import Enum
-from typing import Any
+from typing import Any, TypeGuard
 
 import networkx as nx
 import numpy as np
@@ -152,17 +152,20 @@ def error_parts(error: BaseException) -> tuple[list[str], str]:
     return [kind.__name__ for kind in type(error).__mro__], words[:10_000]
 
 
-def error_of(names: Sequence[str], words: str, place: str = "") -> BaseException:
-    """An error of Python's or networkx's own class, by the names and words of one elsewhere."""
+def error_of(
+    names: Sequence[str], words: str, place: str = "", key: int | None = None
+) -> BaseException:
+    """An error of Python's or networkx's own class, by the names and words of one elsewhere.
+
+    It has the place, and the key by which the check knows an error of its own.
+    """
     known = {**vars(nx), **vars(builtins), "LinAlgError": np.linalg.LinAlgError}
     found = (known[name] for name in names if name != "KeyboardInterrupt" and name in known)
     base = next((kind for kind in found if _is_error(kind)), RuntimeError)
     base = RuntimeError if base in (BaseException, GeneratorExit) else base
-    kind = type(identifier(names[0]), (base,), {"__str__": lambda self: words})
-    error = kind.__new__(kind)
-    error.place = place
-    return error
+    own = {"__str__": lambda self: words, "place": place, "key": key}
+    return base.__new__(type(identifier(names[0]), (base,), own))
 
 
-def _is_error(kind: object) -> bool:
+def _is_error(kind: object) -> TypeGuard[type[BaseException]]:
     return isinstance(kind, type) and issubclass(kind, BaseException)

@@ -26,8 +26,8 @@ from tutorial_lib.checks.marking.warden import (
     LONGEST,
     USUAL,
     Report,
+    Server,
     Start,
-    forking,
     imported,
     spawning,
 )
@@ -93,10 +93,12 @@ class _Forked:
     def __init__(self, folder: Path, hidden: Sequence[Path]) -> None:
         self.places = folder, hidden
         imported(USUAL)
-        self.plain, self.missing = forking(*self.places)
+        self.plain = Server(*self.places)
+        self.missing = self.plain.missing
         imported(LIBRARY)
-        self.library, _ = forking(*self.places)
-        self.checks, self._begun = None, set[str]()
+        self.library = Server(*self.places)
+        self.checks: Server | None = None
+        self._begun = set[str]()
 
     def judge(self, check: Check, file: str, text: bytes) -> tuple[Result, str]:
         """See `judge`."""
@@ -111,10 +113,11 @@ class _Forked:
     def _start(self, check: Check, text: bytes) -> Start:
         if b"tutorial_lib.checks" in text:
             if self.checks is None:
-                found, missing = forking(*self.places)
-                if missing != self.missing:
-                    found.close()
-                self.checks = found if missing == self.missing else self.library
+                server = Server(*self.places)
+                if server.missing != self.missing:
+                    server.close()
+                    server = self.library
+                self.checks = server
             return self.checks
         given = any(type(value).__module__.startswith("tutorial_lib") for value in check.example)
         return self.library if given or b"tutorial_lib" in text else self.plain

@@ -30,11 +30,10 @@ def _straight(
 
 
 _RNG = np.random.default_rng(3)
-_RANGES = np.array([[-1.5, -0.7, 0.15, 0.01], [1.5, 0.7, 1.2, 0.12]])
+_RANGES = [-1.5, -0.7, 0.15, 0.01], [1.5, 0.7, 1.2, 0.12]
 _POSE = np.array([1.0, 2.0, 0.5])
 _RANDOM = [
-    (_RNG.uniform([-3, -3, -3], [3, 3, 3]), *(float(c) for c in _RNG.uniform(*_RANGES)))
-    for _ in range(30)
+    (_RNG.uniform([-3, -3, -3], [3, 3, 3]), *_RNG.uniform(*_RANGES).tolist()) for _ in range(30)
 ]
 TOPICS = [
     Topic(
@@ -162,7 +161,7 @@ limit nothing here: the car's motors limit steering and speed before this functi
 """
 
 
-def _same(got: Array, want: Array, *case: object) -> bool:
+def _same(got: Array, want: Array, pose: Array, *rest: float) -> bool:
     """Whether two poses agree, whole turns apart.
 
     A step that lies between the straight one and the arc is as good as either; `want` may be any
@@ -170,12 +169,12 @@ def _same(got: Array, want: Array, *case: object) -> bool:
     """
     if not np.isfinite(got).all() or abs(geometry.wrap(got[2] - want[2])) > 1e-6:
         return False
-    arc, straight = bicycle_step(*case)[:2], _straight(*case)[:2]
+    arc, straight = bicycle_step(pose, *rest)[:2], _straight(pose, *rest)[:2]
     if not close(want[:2], arc, tolerance=1e-9):
         return close(got[:2], want[:2])
     gap = np.linalg.norm(arc - straight)
     nearest = min(np.linalg.norm(got[:2] - place) for place in (arc, straight))
-    return nearest < 1e-6 + 0.15 * gap
+    return bool(nearest < 1e-6 + 0.15 * gap)
 
 
 check_bicycle_step = exercise(

@@ -1,5 +1,7 @@
 """The check of a ray against a wall, in notebook 01."""
 
+from typing import Any
+
 import numpy as np
 
 from tutorial_lib.checks.engine import exercise
@@ -195,7 +197,7 @@ a parallel wall is missed: its answer, too, is np.inf
 """
 
 
-def _form(what: str, answer: object, *case: Array) -> Array:
+def _form(what: str, answer: Any, *case: Array) -> Array:  # noqa: ANN401 - students'
     if answer is None and np.isinf(ray_segment(*case)):
         raise WrongAnswer(f"{what}: nothing came back; a ray that misses returns np.inf")
     if isinstance(answer, list | tuple):

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import numbers
@@ -16,7 +17,7 @@ Policy = tuple[Array, Array, Array]
 """Jacobian (D, 2), acceleration (D,) and metric (D, D)."""
 
 
-def resolve(policies: list[Policy]) -> Array:
+def resolve(policies: list[Policy]) -> NDArray[np.floating]:
     """(2,) accelerations of the controls that fit all policies best."""
     force, metric = np.zeros(2), np.zeros((2, 2))
     for j, a, m in policies:

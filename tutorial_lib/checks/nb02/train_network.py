@@ -30,7 +30,7 @@ def _cases() -> dict[str, Case]:
     gradients = rng.normal(size=(60, 3))
     strong = gradients * np.array([0.2, 5.0, 0.5] * 20)[:, None]
     rising = [5.0, 3.0, 4.0, 4.5, 4.0, 6.0]
-    cases = {
+    cases: dict[str, Case] = {
         "8 steps, evaluated every 4": (_plan(8, 4, warmup=2), gradients, _FALLING),
         "a warm-up of 4 steps": (_plan(8, 4, warmup=4), gradients, _FALLING),
         "gradients of which some are too long": (_plan(12, 4, norm=1.0), strong, _FALLING),

@@ -205,7 +205,7 @@ a target behind is its own waypoint, in sight or not; yours gives the place of t
 """
 
 
-def _form(what: str, answer: object, *arguments: Any) -> Array | None:  # noqa: ANN401
+def _form(what: str, answer: Any, *arguments: Any) -> Array | None:  # noqa: ANN401
     if answer is None:
         return None
     if isinstance(answer, int | np.integer):
@@ -223,16 +223,18 @@ def _same(got: Array | None, want: Array | None, *_: object) -> bool:
 
 def _difference(got: Array | None, want: Array | None, *_: object) -> str:
     if want is None:
-        return f"{np.round(got, 2).tolist()} came back, but there is no waypoint; return None"
+        return (
+            f"{np.asarray(got).round(2).tolist()} came back, but there is no waypoint; return None"
+        )
     if got is None:
         return f"None came back, but {want.round(2).tolist()} is right"
     return farthest(got, want)
 
 
 def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    arguments = TOPICS[0].cases[0]
+    arguments = start, track, *_ = TOPICS[0].cases[0]
     right, yours = waypoint_label(*arguments), student(*arguments)
-    return labels_from_above(np.array([CORNER_WALL]), *arguments[:2], right, yours)
+    return labels_from_above(np.array([CORNER_WALL]), start, track, right, yours)
 
 
 check_waypoint_label = exercise(

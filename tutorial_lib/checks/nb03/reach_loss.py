@@ -129,12 +129,12 @@ def _broken(got: float, want: float, logits: Array, labels: Array, weights: Arra
     return "the loss of each pair times its weight, however small; the sum over that of the weights"
 
 
-def _apart(got: float, want: float, *case: Array) -> str:
+def _apart(got: float, want: float, logits: Array, labels: Array, *_: Array) -> str:
     """A loss that no known mistake gives, beside the right one."""
     if np.isnan(got):
         return "the loss is not a number; is something divided by zero, or log taken of it?"
-    first = reach_loss(*(part[:1] for part in case[:2]), np.ones(1))
-    words = f"the first pair, with z = {case[0][0]:.3g} and y = {case[1][0]:.3g}, has the loss"
+    first = reach_loss(logits[:1], labels[:1], np.ones(1))
+    words = f"the first pair, with z = {logits[0]:.3g} and y = {labels[0]:.3g}, has the loss"
     return f"{got:.4g}, but {want:.4g} is right; {words} {first:.4g} alone"
 
 

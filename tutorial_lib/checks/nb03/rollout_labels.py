@@ -180,9 +180,10 @@ def _broken(got: Array, want: Array, *case: Array) -> str:
     return "whatever was touched up to the moment of arrival, in whichever moment, makes it 0"
 
 
-def _worst(got: Array, want: Array, *case: Array) -> str:
+def _worst(
+    got: Array, want: Array, times: Array, gaps: Array, touched: NDArray[np.bool_], geodesic: Array
+) -> str:
     """What happens in the first rollout whose label is wrong."""
-    times, gaps, touched, geodesic = case
     number = int(np.flatnonzero(~np.isclose(got, want, atol=1e-6))[0])
     story = f'the rollout that "{STORIES[number][0]}"' if len(gaps) == 301 else f"car {number}"
 

@@ -267,7 +267,7 @@ def _demand_form(
 
 def _invoke(what: str, student: Callable[..., Any], story: Story, number: int) -> SmallMap:
     words = "a map may be empty, and an anchor's neighbours may not exist"
-    hints = {IndexError: words, ValueError: words}
+    hints: dict[type[Exception], str] = {IndexError: words, ValueError: words}
     what = what.partition(", after")[0]  # that is said of maps alone
     try:
         return _play(student, story, number)

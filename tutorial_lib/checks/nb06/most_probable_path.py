@@ -239,7 +239,7 @@ def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex)
     unreachable = "a goal that cannot be reached has no predecessor; return [], 0.0"
     usual = "each vertex needs a length and a predecessor before they are looked up; the start has "
     words = usual + "no predecessor" if most_probable_path(graph, *ends)[0] else unreachable
-    hints = {
+    hints: dict[type[Exception], str] = {
         KeyError: words,
         IndexError: words,
         ValueError: "every RE is above 0, and every path has a vertex; what is it that has none?",

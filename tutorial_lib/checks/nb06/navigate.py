@@ -187,7 +187,7 @@ def _play(travels: Callable[..., Any], story: Story) -> tuple[Any, list[tuple[An
 
 
 def _invoke(what: str, student: Callable[..., Any], story: Story) -> Any:  # noqa: ANN401
-    hints = {
+    hints: dict[type[Exception], str] = {
         KeyError: "GOAL and HERE are no vertices of the map; graph[vertex] holds its edges",
         TypeError: "look() and turn() take nothing, follow(path) the path; active is a number",
     }
@@ -275,8 +275,9 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
         before = f", after {before}" if before else ""
         return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}: {why}"
     if len(got[3]) != len(want[3]):
-        least, rest = min(len(got[3]), len(want[3])), max(got[3], want[3], key=len)
-        more = "goes on" if len(got[3]) > len(want[3]) else "ends"
+        longer = len(got[3]) > len(want[3])
+        more, rest = ("goes on", got[3]) if longer else ("ends", want[3])
+        least = min(len(got[3]), len(want[3]))
         when = f"after {number_of(least, 'call')}"
         return f"{when} yours {more}, with {rest[least][0]} to come; {_end(want)}"
     if got[0] != want[0]:

@@ -91,7 +91,8 @@ CASES: dict[str, tuple[list[Trip]]] = {
     "lost when it comes to an edge again": ([([HERE, 1, 2, 1, 2, GOAL], 4)],),
     "over vertex 0": ([([HERE, 0, 3, GOAL], None), ([HERE, 3, 0, 2, GOAL], 3)],),
     "there and back": ([([HERE, 1, 2, 1, GOAL], 3), ([HERE, 2, 1, GOAL], 2)],),
-} | {f"trips drawn at random ({seed})": (_random_trips(seed),) for seed in range(6)}
+    **{f"trips drawn at random ({seed})": (_random_trips(seed),) for seed in range(6)},
+}
 MISTAKES = """
 the edges before the one where it was lost were passed; do not blame them
     if place <= last -> if True

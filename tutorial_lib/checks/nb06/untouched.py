@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, SupportsFloat
 
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
@@ -87,7 +87,7 @@ def number(what: str, got: object, words: str) -> float:
         WrongAnswer: when it is none; `words` say what to return.
     """
     shape = getattr(got, "shape", ())
-    if isinstance(got, bool | str) or shape != () or not hasattr(got, "__float__"):
+    if isinstance(got, bool | str) or shape != () or not isinstance(got, SupportsFloat):
         raise WrongAnswer(f"{what}: {kind(got)} came back {words}; return a number")
     return float(got)
 

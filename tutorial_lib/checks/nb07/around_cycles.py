@@ -129,7 +129,7 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa:
     except (WrongAnswer, NotImplementedError):
         raise
     except Exception as error:
-        hints = {
+        hints: dict[type[Exception], str] = {
             KeyError: "a dictionary has no such key; a Counter returns 0 for what it has not seen",
             ValueError: "max() of nothing needs default=0: there may be no visit yet",
         }

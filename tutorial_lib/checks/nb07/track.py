@@ -158,11 +158,10 @@ rules.hysteresis itself
 def _play(tracks: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
     """What comes back, and at which steps the function looked."""
     drive = Drive(story)
-    arguments = story.odometry.copy(), drive.look, story.lengths.copy(), story.onward.copy()
-    got = tracks(*arguments, story.rules)
-    for name in ("odometry", "lengths", "onward"):
-        changed = arguments[("odometry", "", "lengths", "onward").index(name)]
-        if not np.array_equal(changed, getattr(story, name)):
+    odometry, lengths, onward = (a.copy() for a in (story.odometry, story.lengths, story.onward))
+    got = tracks(odometry, drive.look, lengths, onward, story.rules)
+    for name, given in (("odometry", odometry), ("lengths", lengths), ("onward", onward)):
+        if not np.array_equal(given, getattr(story, name)):
             raise WrongAnswer(f"your function changes its argument {name}; make a new array")
     drive.demand_untouched()
     return got, drive.log
@@ -181,7 +180,7 @@ _SAID = {
 
 
 def _invoke(what: str, student: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
-    hints = {
+    hints: dict[type[Exception], str] = {
         TypeError: "look(step) takes the number of a step, predict and update arrays of one row",
         ValueError: "belief and prior have one row, (1, V + 1); the motion is an array of one",
         IndexError: "belief has one row: belief[0] is that of the robot",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from types import SimpleNamespace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb07.small_models import random_model, row_of
@@ -78,8 +78,8 @@ _RULES = FilterSettings(stride=0.3, interval=6)
 
 
 def _along(
-    places: Sequence[float],
-    gone: Sequence[float] | None = None,
+    places: ArrayLike,
+    gone: ArrayLike | None = None,
     vertices: int = 6,
     twins: dict[int, int] | None = None,
     rules: FilterSettings = _RULES,

@@ -132,7 +132,7 @@ a ghost where explorable is True; yours has them where it is False
 several nodes may be beside the new one; yours looks at the first only
     in beside.items(): -> in list(beside.items())[:1]:
 """
-_HINTS = {
+_HINTS: dict[type[Exception], str] = {
     TypeError: "a ghost is a pair (node, direction) of whole numbers; a set takes .add(...), "
     "and .discard(...) where it may not be there",
     KeyError: ".remove complains where the ghost is not there; .discard does not",

@@ -135,7 +135,7 @@ def _play(explores: Callable[..., Any], building: Building) -> tuple[Any, list[t
 
 
 def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any:  # noqa: ANN401
-    hints = {
+    hints: dict[type[Exception], str] = {
         KeyError: "scores needs an entry (node, direction) for every ghost, from robot.scores()",
         TypeError: "node() may return None; a ghost is a pair (node, direction)",
         nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first, and make "

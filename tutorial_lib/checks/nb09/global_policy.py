@@ -35,8 +35,11 @@ def global_policy(
 
     if goal is None and not ghosts:
         return here, None
-    ghost = max(sorted(ghosts), key=value) if goal is None else None
-    end = ghost[0] if goal is None else goal
+    if goal is None:
+        ghost = max(sorted(ghosts), key=value)
+        end = ghost[0]
+    else:
+        ghost, end = None, goal
     path = nx.shortest_path(graph, here, end, weight="metres")
     return path[min(1, len(path) - 1)], ghost
 
@@ -157,7 +160,7 @@ once the goal is localised in a node the robot goes there; yours goes on explori
 node 0 is a node: `if goal:` is False for it; compare with None
     metres = nx -> goal = goal or None; metres = nx
 return None for the ghost where the goal is localised
-    key=value) if goal is None else None -> key=value) if ghosts else None
+    = None, goal -> = max(sorted(ghosts), key=value) if ghosts else None, goal
 the highest score is the best; yours takes the lowest
     return scores[ghost] -> return -scores[ghost]
 the score decides, not the distance to the ghost alone
@@ -215,7 +218,7 @@ none
 `weight` says how much travelling counts; yours always counts it
     weight * cost -> 1.0 * cost
 """
-_HINTS = {
+_HINTS: dict[type[Exception], str] = {
     KeyError: "scores[ghost] is the score of a ghost, a pair (node, direction)",
     ValueError: "max() of nothing: there may be no ghost left",
     TypeError: "a ghost is a pair (node, direction), and goal may be None",

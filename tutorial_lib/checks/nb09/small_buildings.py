@@ -168,7 +168,7 @@ BUILDINGS: dict[str, Building] = {
         _ROOMS, _ROOM_LINKS, 7, (7,), persistent=(0, 4), misleading={(0, 8): 0.3}
     ),
     "a long corridor": Building(
-        np.column_stack([3.0 * np.arange(60), np.zeros(60)]),
+        np.array([(3.0 * v, 0.0) for v in range(60)]),
         tuple((v, v + 1) for v in range(59)),
         59,
         (59,),

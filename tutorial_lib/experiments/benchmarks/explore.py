@@ -56,10 +56,14 @@ def _row(
     task = ExplorationTask(world.scenes, world.episodes, rng, sensor=sensor)
     explorer = make_explorer(agent, task, sensor, rng, geometry=model == "geometry")
     explorer.start(task.goals())
-    for step in range(settings.warmup_steps + settings.steps):
-        if step == settings.warmup_steps:
-            begun, before = time.perf_counter(), task.steps.sum()
-        task.step(explorer.act(task.observe(), ~task.done))
+
+    def drive(steps: int) -> None:
+        for _ in range(steps):
+            task.step(explorer.act(task.observe(), ~task.done))
+
+    drive(settings.warmup_steps)
+    begun, before = time.perf_counter(), task.steps.sum()
+    drive(settings.steps)
     took, done = time.perf_counter() - begun, task.steps.sum() - before
     row = {"agent": agent, "model": model, "episodes": len(task), "steps": int(done)}
     return row | {"steps_per_s": done / took, "running": done / settings.steps}

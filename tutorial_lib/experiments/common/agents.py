@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ SEAMS = ("agent", "planner", "localizer", "reachability", "predictor", "controll
 
 def meng(**changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute of the agent
     """The agent of Meng 2020 with the shipped networks; `changed` replaces attributes."""
-    return MengAgent(**{**_shipped(), **changed})
+    return MengAgent(**_shipped(changed))
 
 
 def remedied(name: str, **changed: Any) -> RemedyAgent:  # noqa: ANN401 - any attribute
@@ -54,15 +55,16 @@ def remedied(name: str, **changed: Any) -> RemedyAgent:  # noqa: ANN401 - any at
     Raises:
         InputError: for an unknown name.
     """
-    return RemedyAgent(**{**_shipped(), "remedies": Remedies.named(name), **changed})
+    return RemedyAgent(**_shipped({"remedies": Remedies.named(name), **changed}))
 
 
-def _shipped() -> dict[str, Any]:
-    """The shipped networks, and the controller."""
+def _shipped(changed: Mapping[str, Any]) -> dict[str, Any]:
+    """The shipped networks, the controller, and what is changed."""
     return {
         "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
         "controller": RMPController(),
         "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
+        **changed,
     }
 
 
@@ -81,7 +83,7 @@ def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the ag
 def ltvn(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the agent
     """LTVN's agent with the shipped model; `changed` replaces attributes."""
     model = changed.pop("model", None) or RelativeNetwork("relative_5")
-    return LTVNAgent(**{"model": model, **changed})
+    return LTVNAgent(model=model, **changed)
 
 
 def ving(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the agent

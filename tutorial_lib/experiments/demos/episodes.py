@@ -46,9 +46,14 @@ def episode_between(
         InputError: when one of them cannot be had, or they are too near each other.
     """
     rng, paths = np.random.default_rng(seed), GridPaths(scene.clearance)
-    begin, end = (one and one.find(scene, paths, DifferentialDrive()) for one in (start, goal))
+    begin, end = (
+        None if one is None else one.find(scene, paths, DifferentialDrive())
+        for one in (start, goal)
+    )
     if begin is None or end is None:
-        given = begin if begin is not None else end
+        given = end if begin is None else begin
+        if given is None:
+            raise InputError("demo: give a start or a goal")
         metres = paths.fields(given[None, :2], shortest=True).distance(paths.points)
         low, high = DIFFICULTIES["hard"]
         apart = np.linalg.norm(paths.points - given[:2], axis=1) >= SUCCESS

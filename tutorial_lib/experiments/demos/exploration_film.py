@@ -72,7 +72,7 @@ class ExplorationMoment:
     lines: tuple[tuple[str, str], ...]
 
 
-class ExplorationFilm(Sequence[Picture]):
+class ExplorationFilm:
     """The frames of an exploration's film, each drawn on request."""
 
     def __init__(

@@ -25,7 +25,7 @@ from tutorial_lib.experiments.demos.outcome import (
     check_folder,
     rounded,
 )
-from tutorial_lib.experiments.demos.pictures import Beside
+from tutorial_lib.experiments.demos.pictures import Beside, Frames
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
 from tutorial_lib.experiments.demos.sureness import sureness
 from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
@@ -101,9 +101,7 @@ def run_demo(
     return outcome
 
 
-def navigate_once(
-    scene: Scene, seed: int, places: int = PLACES
-) -> tuple[Sequence[Picture], Outcome]:
+def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[Frames, Outcome]:
     """Record trajectories, learn a map, and navigate to an image: the film, and how it went.
 
     The car gets its camera and laser, what was observed on the trajectories, and the goal image; it
@@ -161,10 +159,10 @@ def drive_by_sight(
     agent: MengAgent,
     seed: int,
     say: Say = silent,
-    oracle: tuple[Sequence[Picture], Drive] | None = None,
+    oracle: tuple[Frames, Drive] | None = None,
     write: Callable[[Picture], None] = lambda picture: None,
     file: Path | None = None,
-) -> tuple[Sequence[Picture], Outcome]:
+) -> tuple[Frames, Outcome]:
     """Navigate with a map; the film, and how it went.
 
     Args:
@@ -224,7 +222,7 @@ def drive_by_sight(
     return shown, outcome
 
 
-def drive_oracle(task: Task, say: Say = silent) -> tuple[Sequence[Picture], Drive]:
+def drive_oracle(task: Task, say: Say = silent) -> tuple[Frames, Drive]:
     """Drive the same task by an oracle: its film, and how it went."""
     say("driving by the oracle, which knows the floor plan and its pose")
     building, goals = task.building, task.trial.goal_poses

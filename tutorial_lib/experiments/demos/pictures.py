@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.panels import side_by_side
@@ -11,8 +11,16 @@ from tutorial_lib.viz.figures.panels import side_by_side
 _BESIDE = 570  # pixels of height where agent and oracle are shown beside each other
 
 
+class Frames(Protocol):
+    """Pictures, perhaps each drawn on request."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int, /) -> Picture: ...
+
+
 @dataclass(frozen=True)
-class Beside(Sequence[Picture]):
+class Beside:
     """The frames of a film, and beside each the frame of another; the shorter one waits.
 
     Attributes:
@@ -20,8 +28,8 @@ class Beside(Sequence[Picture]):
         second: may be empty; then the first is shown alone.
     """
 
-    first: Sequence[Picture]
-    second: Sequence[Picture]
+    first: Frames
+    second: Frames
 
     def __len__(self) -> int:
         return max(len(self.first), len(self.second))

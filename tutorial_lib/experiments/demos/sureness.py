@@ -8,6 +8,7 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.experiments.protocols.navigation import goals_of
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.geometry import Array
+from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.sparsify import contextified
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.topology.query import query
@@ -27,7 +28,7 @@ def recognised_from(building: Building, trial: Trials, agent: MengAgent) -> int:
     frames = np.concatenate(
         [building.recorded.frames_of(i)[::STEP] for i in range(len(building.pairs))]
     )
-    goals = goals_of(trial, agent.predictor.view, agent.predictor.k)[0]
+    goals = goals_of(trial, VIEWS["camera16"], agent.predictor.k)[0]
     prepared = agent.reachability.prepare(goals.contexts)
     seen = building.recorded.observe(frames)
     sure = query(agent.reachability, seen, prepared[np.zeros(len(frames), dtype=np.intp)])

@@ -81,7 +81,7 @@ class TamperedMap:
         """
         instance("building", building, Building)
         instance("agent", agent, LTVNAgent)
-        if agent.upkeep is None or agent.maintenance is None:
+        if not len(agent.sampled.pool) or agent.maintenance is None:
             raise InputError("agent: has no map that mends itself; let it learn, with maintenance")
         if len(instance("queries", queries, Trials)) < BLOCK:
             raise InputError(f"queries: {len(queries)}; give {BLOCK} or more")

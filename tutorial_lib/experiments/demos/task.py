@@ -106,7 +106,9 @@ def choose_task(
     rng = np.random.default_rng(seed)
     say("recording drives between the places of the building")
     paths = GridPaths(scene.clearance)
-    begins, ends = (end and end.find(scene, paths, BicycleCar()) for end in (start, goal))
+    begins, ends = (
+        None if end is None else end.find(scene, paths, BicycleCar()) for end in (start, goal)
+    )
     given = np.array([end for end in (begins, ends) if end is not None]).reshape(-1, 3)
     _check_apart(paths, given)
     paths, bounds = _part_of(scene, paths, given[:, :2], rng)
@@ -164,11 +166,11 @@ def _trial(
     whole: Building, number: int, start: Array | None, goal: Array, rng: np.random.Generator
 ) -> Trials | None:
     """The trial that a drive would lead along; it starts as was asked for, or perturbed."""
-    if start is None or np.isnan(start[2]):
-        first = whole.recorded.poses[whole.recorded.first_frames[[number]]]
-        starts, found = perturbed(whole.scene, first, PAPER_PERTURBATION, rng)
-        start = starts[0] if found[0] else first[0]
-    return trial_to(whole, number, start, goal)
+    if start is not None and not np.isnan(start[2]):
+        return trial_to(whole, number, start, goal)
+    first = whole.recorded.poses[whole.recorded.first_frames[[number]]]
+    starts, found = perturbed(whole.scene, first, PAPER_PERTURBATION, rng)
+    return trial_to(whole, number, starts[0] if found[0] else first[0], goal)
 
 
 def task_of(building: Building, trial: Trials, recorded: int, bounds: Array) -> Task:

@@ -164,7 +164,7 @@ def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
     blocks = len(trials) // settings.block
     return Lived(
         result.outcome.success.astype(float),
-        [(result.vertices, result.edges, result.wormholes)] * blocks,
+        [result.size] * blocks,
     )
 
 
@@ -178,7 +178,7 @@ def _meng_mending(building: Building, trials: Trials, settings: Settings) -> Liv
         result = measured(building, some, agent)
         success.append(result.outcome.success.astype(float))
         if (first + len(some)) % settings.block == 0:
-            sizes.append((result.vertices, result.edges, result.wormholes))
+            sizes.append(result.size)
     return Lived(np.concatenate(success), sizes)
 
 

@@ -20,7 +20,6 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
-from tutorial_lib.geometry import Array
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
 
@@ -54,7 +53,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, [f"with 60% of the trajectories {relative[0.6]:.1%} of the peak"]
 
 
-def run_world(world: int, options: Options, settings: Settings) -> dict[float, dict[str, Array]]:
+def run_world(world: int, options: Options, settings: Settings) -> dict[float, dict[str, NDArray]]:
     """One world: the outcome of each trial for each share of the trajectories."""
     building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 1])
@@ -84,7 +83,7 @@ def _among(pairs: NDArray[np.intp], known: NDArray[np.intp]) -> NDArray[np.bool_
     return (pairs[:, None] == known).all(axis=-1).any(axis=1)
 
 
-def _row(share: float, parts: list[dict[str, Array]]) -> dict[str, Any]:
+def _row(share: float, parts: list[dict[str, NDArray]]) -> dict[str, Any]:
     world = np.repeat(np.arange(len(parts)), [len(part["success"]) for part in parts])
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     success, low, high = over_worlds(columns["success"].astype(float), world)

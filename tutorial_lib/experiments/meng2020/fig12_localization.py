@@ -112,7 +112,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return [_row(case, [part[case] for part in parts]) for case in CASES], []
 
 
-def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
+def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, NDArray]]:
     """One office: for each case its measures, a column each."""
     office = make_office(world, options.seed, drifts=options.drifts)
     agent = agents.remedied("all")
@@ -182,7 +182,7 @@ def _elsewhere(office: Office, trials: Trials) -> Array:
 
 def _measured(
     office: Office, driven: Looks, still: Looks, settings: Settings
-) -> dict[str, dict[str, Array]]:
+) -> dict[str, dict[str, NDArray]]:
     """The measures of each case."""
     begin, stays = round(settings.before / STEP), slice(0, None, 2)
     right, sure = driven.gap <= RIGHT, driven.sure >= SURE
@@ -206,13 +206,13 @@ def _measured(
         "doors": {"right": right[:, stays][inside], "sure": sure[:, stays][inside]},
         "standstill": {"changes": (np.diff(calm, axis=0) != 0).sum(axis=0)},
         "kidnapped": {
-            "noticed": noticed[: within[0]].any(axis=0),
-            "found": (after[0] <= RIGHT)[: within[1]].any(axis=0),
+            "noticed": np.any(noticed[: within[0]], axis=0),
+            "found": np.any((after[0] <= RIGHT)[: within[1]], axis=0),
         },
     }
 
 
-def _row(case: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
+def _row(case: str, parts: list[dict[str, NDArray]]) -> dict[str, Any]:
     """A line of the table: shares with intervals over worlds, None where a case has none."""
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     world = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))) for p in parts])
@@ -234,7 +234,7 @@ def _row(case: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
     return row
 
 
-def _mean(column: Array) -> float:
+def _mean(column: NDArray) -> float:
     return float(column.mean())
 
 

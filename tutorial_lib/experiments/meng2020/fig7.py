@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
@@ -109,7 +110,7 @@ def _columns(guide: Guide, kept: list[Any], covered: Array) -> dict[str, Array]:
     }
 
 
-def _row(key: Key, columns: dict[str, Array], world: Array) -> dict[str, Any]:
+def _row(key: Key, columns: dict[str, Array], world: NDArray[np.intp]) -> dict[str, Any]:
     method, context, condition, chosen = key
     rate, low, high = measured_over_worlds(_share, world, columns["covered"], columns["length"])
     return {
@@ -130,7 +131,7 @@ def _share(part: Array, whole: Array) -> float:
     return float(part.sum() / whole.sum())
 
 
-def _notes(joined: dict[Key, dict[str, Array]], world: Array) -> list[str]:
+def _notes(joined: dict[Key, dict[str, Array]], world: NDArray[np.intp]) -> list[str]:
     """Areas between the curves, and the loss by noise; in points."""
     notes = []
     for context in dict.fromkeys(key[1] for key in joined):
@@ -157,7 +158,7 @@ def _notes(joined: dict[Key, dict[str, Array]], world: Array) -> list[str]:
 
 
 def _between(
-    ours: list[dict[str, Array]], theirs: list[dict[str, Array]], world: Array
+    ours: list[dict[str, Array]], theirs: list[dict[str, Array]], world: NDArray[np.intp]
 ) -> tuple[float, float, float]:
     """Mean gap of two curves over the sparsities that they share, with its interval."""
     count = len(ours)

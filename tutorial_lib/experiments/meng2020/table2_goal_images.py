@@ -31,6 +31,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_tri
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.simulation import Simulation
 
 WORLDS = tuple(range(10_000, 10_006))
@@ -89,7 +90,7 @@ def run_world(world: int, options: Options, settings: Settings) -> InWorld:
     for images in GOAL_IMAGES:
         goals = goals_of(trials, VIEWS["camera16"], K, images)
         for least in settings.p_goal:
-            chosen = replace(agent, planner=replace(agent.planner, p_goal=least))
+            chosen = replace(agent, planner=DijkstraPlanner(p_goal=least))
             chosen.topomap = agent.topomap
             outcome = navigate(building, trials, lambda _, a=chosen, g=goals: a.start(g))
             found[images, least] = {

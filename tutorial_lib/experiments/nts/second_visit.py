@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
@@ -23,9 +24,9 @@ from tutorial_lib.experiments.protocols.exploration import WORLDS
 from tutorial_lib.experiments.protocols.visits import GOALS, Recorder, draw_return, learned_from
 from tutorial_lib.exploration.episodes import draw_episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorerAgent
 from tutorial_lib.parallel import for_each
+from tutorial_lib.validation import instance
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.worlds import scene_of
 
@@ -75,7 +76,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, notes
 
 
-def run_world(item: tuple[int, str], options: Options, settings: Settings) -> dict[str, Array]:
+def run_world(item: tuple[int, str], options: Options, settings: Settings) -> dict[str, NDArray]:
     """Explore a world, learn it, and come back: columns (N,) of the trials."""
     seed, signs = item
     name = exploration_world(seed, signs, options.palette)
@@ -84,14 +85,14 @@ def run_world(item: tuple[int, str], options: Options, settings: Settings) -> di
     first = draw_episodes(name, scene, {"medium": 1}, rng)
     goals = draw_sequence(scene, first.goals, settings.goals, rng)
     task = ExplorationTask({name: scene}, first, rng)
-    recorder = Recorder(make_explorer("nts", task, "rgbd", rng, geometry=settings.geometry))
+    recorder = Recorder(_nts(task, rng, settings.geometry))
     list(explore_on(task, recorder, goals))
     memory = learned_from(recorder.run)
     path = np.concatenate(task.path)
     counts = dict.fromkeys(GOALS, settings.trials)
     episodes, kinds = draw_return(name, scene, path, counts, rng)
     count = len(episodes)
-    columns: dict[str, Array] = {
+    columns: dict[str, NDArray] = {
         "world": np.full(count, seed),
         "goals": kinds,
         "visit": np.full(count, len(recorder.run)),
@@ -123,14 +124,16 @@ def make_method(
     """One of `METHODS` for a task of the second visit."""
     if method == "memory":
         return ReturningAgent(memory)
+    explorer = _nts(task, rng, geometry)
+    return explorer if method == "explorer" else ReturningAgent(memory, explorer)
+
+
+def _nts(task: ExplorationTask, rng: np.random.Generator, geometry: bool) -> NTSAgent:
     explorer = make_explorer("nts", task, "rgbd", rng, geometry=geometry)
-    if method == "explorer":
-        return explorer
-    assert isinstance(explorer, NTSAgent)
-    return ReturningAgent(memory, explorer)
+    return instance("explorer", explorer, NTSAgent)
 
 
-def _row(columns: dict[str, Array], method: str, signs: str, goals: str) -> dict[str, Any]:
+def _row(columns: dict[str, NDArray], method: str, signs: str, goals: str) -> dict[str, Any]:
     """A method's trials with one kind of goal."""
     mine = np.ones(len(columns["world"]), bool) if goals == "all" else columns["goals"] == goals
     worlds = columns["world"][mine]

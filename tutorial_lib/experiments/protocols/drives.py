@@ -163,7 +163,7 @@ def passed_goals(whole: Building, trials: Trials, drives: str, seed: int) -> NDA
         seed: of the run.
     """
     learned = part_of(whole, drives, seed).recorded.poses
-    return _at_goals(learned, trials, NEAR, FACING).any(axis=0)
+    return np.any(_at_goals(learned, trials, NEAR, FACING), axis=0)
 
 
 def _at_goals(poses: Array, trials: Trials, near: float, facing: float) -> NDArray[np.bool_]:

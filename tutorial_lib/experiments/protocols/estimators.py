@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.interfaces import Observation, Reachability, Targets
 from tutorial_lib.learning.estimators import ReachabilityNetwork
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.query import query
@@ -34,7 +34,7 @@ class Estimator:
     controller: str
     k: int
 
-    def targets(self, recorded: RecordedWorld, frames: NDArray[np.intp]) -> object:
+    def targets(self, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Targets:
         """Recorded frames (M,) as prepared targets."""
         view = getattr(self.reachability, "view", VIEWS["camera16"])
         poses = recorded.poses[recorded.context(frames, self.k)]
@@ -49,7 +49,7 @@ class Estimator:
         return self.query_all(seen, prepared, np.arange(len(seen)), which)
 
     def query_all(
-        self, seen: Observation, prepared: object, rows: NDArray[np.intp], shown: NDArray[np.intp]
+        self, seen: Observation, prepared: Targets, rows: NDArray[np.intp], shown: NDArray[np.intp]
     ) -> Array:
         """Probabilities (N,) of pairs: indices of observations (N,) and of targets (N,)."""
         parts = np.array_split(np.arange(len(rows)), 1 + len(rows) // _AT_ONCE)

@@ -29,7 +29,7 @@ def features(recorded: RecordedWorld, pairs: ReachabilityPairs) -> Array:
     room = [scene.clearance.at(poses[:, :2]) for poses in (starts, goals)]
     distance, bearing = np.hypot(seen[:, 0], seen[:, 1]), np.arctan2(seen[:, 1], seen[:, 0])
     columns = [distance, np.abs(bearing), np.abs(seen[:, 2]), seen[:, 0], seen[:, 1], sight, *room]
-    return np.column_stack([*columns, pairs.overlap])
+    return np.column_stack([*columns, pairs.overlap]).astype(float)
 
 
 def fitted(controller: str, seeds: tuple[int, ...] = FITTED) -> Any:  # noqa: ANN401 - scikit-learn's model

@@ -83,6 +83,13 @@ class Result:
     edges: int | None = None
     wormholes: int | None = None
 
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Vertices, edges and wormholes of its map."""
+        if self.vertices is None or self.edges is None or self.wormholes is None:
+            raise ValueError("the method has no map")
+        return self.vertices, self.edges, self.wormholes
+
 
 def navigate(
     building: Building,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import permutations
 from pathlib import Path
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,9 +90,8 @@ class Trials:
     def subset(self, indices: NDArray[np.intp]) -> Trials:
         """The trials of those indices (M,)."""
         indices = integers("indices", indices, ("M",), least=0, most=len(self) - 1)
-        parts = (self.pairs, self.starts, self.goals, self.seconds)
-        pairs, starts, goals, seconds = (part[indices] for part in parts)
-        return Trials(pairs, starts, self.recorded, goals, seconds)
+        pairs, starts, recorded = self.pairs[indices], self.starts[indices], self.recorded
+        return Trials(pairs, starts, recorded, self.goals[indices], self.seconds[indices])
 
     @property
     def goal_poses(self) -> Array:
@@ -164,13 +164,13 @@ def recorded_between(
     starts = facing(scene, paths, places, pairs)
     goals, noise = places[pairs[:, 1]], odometry.noise(RECORDING)
     trajectories = demonstrate_between(name, scene, paths, starts, goals, 0, noise)
-    kept = [i for i, one in enumerate(trajectories) if long_enough(one)]
+    kept = {i: one for i, one in enumerate(trajectories) if long_enough(one)}
     if not kept:
         raise InputError(
             f"{name}: no trajectory between any two of {count} places; give a larger map"
         )
-    recorded = RecordedWorld(scene, [trajectories[i] for i in kept])
-    return Building(name, scene, paths, places, recorded, pairs[kept], odometry)
+    recorded = RecordedWorld(scene, list(kept.values()))
+    return Building(name, scene, paths, places, recorded, pairs[list(kept)], odometry)
 
 
 def draw_trials(
@@ -219,8 +219,8 @@ def _shown(building: Building, starts: Array, pairs: NDArray[np.intp], count: in
     """At most `count` trials, each with the image that an oracle took at its end."""
     places = building.places[pairs[:, 1]]
     shown = demonstrate_between(building.name, building.scene, building.paths, starts, places, 0)
-    kept = [i for i, one in enumerate(shown) if long_enough(one)][:count]
-    oracle = RecordedWorld(building.scene, [shown[i] for i in kept])
+    arrived = [(i, one) for i, one in enumerate(shown) if long_enough(one)][:count]
+    kept, oracle = [i for i, _ in arrived], RecordedWorld(building.scene, [t for _, t in arrived])
     goals = np.unique(oracle.last)
     seconds = np.array([one.timestamps[-1] for one in oracle.trajectories])
     return Trials(pairs[kept], starts[kept], oracle, goals, seconds)
@@ -274,6 +274,6 @@ def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp
     return poses
 
 
-def long_enough(trajectory: Trajectory | None) -> bool:
+def long_enough(trajectory: Trajectory | None) -> TypeGuard[Trajectory]:
     """Whether a trajectory arrived, and has enough frames for a context."""
     return trajectory is not None and len(trajectory) >= SHORTEST

@@ -74,7 +74,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return [_row(fault, [part[fault] for part in parts]) for fault in parts[0]], []
 
 
-def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
+def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, NDArray]]:
     """One world: for each fault, columns (N,) of the outcomes."""
     seed, count = options.seed, settings.trials
     building = make_building(world, seed, settings.places, drifts=options.drifts)
@@ -93,11 +93,11 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, dic
 
 def with_blocked_paths(
     building: Building, agent: MengAgent, trials: Trials, count: int
-) -> dict[str, dict[str, Array]]:
+) -> dict[str, dict[str, NDArray]]:
     """The same trials without people, and with people across the path."""
     people, kept, detours = blockades(building, trials, 2 * count)
     rows = [
-        np.array([person.route[0] for person in people if person.owner == number])
+        np.array([np.asarray(person.route)[0] for person in people if person.owner == number])
         for number in range(len(kept))
     ]
     passable = other_paths(building, agent, trials.subset(kept), rows)
@@ -202,7 +202,7 @@ def _across(building: Building, track: Array) -> Array | None:
     return row[order][::2] if len(row) > 2 else row
 
 
-def _row(fault: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
+def _row(fault: str, parts: list[dict[str, NDArray]]) -> dict[str, Any]:
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     world = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))) for p in parts])
     row: dict[str, Any] = {"fault": fault, "goal_images": ONE, "trials": len(world)}
@@ -216,7 +216,7 @@ def _row(fault: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
     return row
 
 
-def _mean(column: Array) -> float:
+def _mean(column: NDArray) -> float:
     return float(column.mean())
 
 
