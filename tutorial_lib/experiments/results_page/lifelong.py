@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import Row, interval, number, percent, table
 from tutorial_lib.experiments.results_page.tables import (
@@ -46,7 +48,7 @@ SERIES = ("agent", "perception", "family")
 def label(rows: Rows) -> str:
     """How pairs of images end for which a condition holds, and for which it does not."""
 
-    def otherwise(end: str) -> Text:
+    def otherwise(end: str) -> Callable[[Row], str]:
         def text(row: Row) -> str:
             return "".join(map(_share(end), matching(rows, term=row["term"], holds=False)))
 
@@ -147,5 +149,5 @@ def _family(row: Row) -> str:
     return FAMILIES[row["family"]]
 
 
-def _share(key: str) -> Text:
+def _share(key: str) -> Callable[[Row], str]:
     return lambda row: interval(row, key, f"{key}_low", f"{key}_high")

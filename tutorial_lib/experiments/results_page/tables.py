@@ -129,7 +129,9 @@ def lines_of(rows: Iterable[Row], *columns: tuple[str, Text | Best]) -> list[lis
     return transposed([_cells(rows, spec) for _, spec in columns])
 
 
-def pivot(rows: Rows, lines: Sequence[Row], across: Sequence[Row], text: Text) -> list[list[str]]:
+def pivot(
+    rows: Rows, lines: Sequence[Row], across: Sequence[Row], text: Text | Best
+) -> list[list[str]]:
     """Cells whose line and column say together which row they tell of.
 
     >>> rows = [{"world": w, "frames": n, "vertices": w + n} for w in (3, 4) for n in (10, 20)]

@@ -61,13 +61,15 @@ class Missing(StrictUndefined):
 ENVIRONMENT = Environment(
     loader=FileSystemLoader(TEMPLATES), undefined=Missing, trim_blocks=True, lstrip_blocks=True
 )
-ENVIRONMENT.globals |= LIBRARY | {function.__name__: function for function in FUNCTIONS}
-ENVIRONMENT.globals |= {
+GIVEN: dict[str, Any] = {
+    **LIBRARY,
+    **{function.__name__: function for function in FUNCTIONS},
     "MAPS": MAPS,
     "TRAINING_SEEDS": TRAINING_SEEDS,
     "mean": fmean,
     "paper": paper,
 }
+ENVIRONMENT.globals.update(GIVEN)
 
 
 def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
