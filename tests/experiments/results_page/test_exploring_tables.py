@@ -181,23 +181,6 @@ def test_the_other_sections_read_their_reports():
     assert text.count("+20.0 points") == 12
     assert tuple(exploring.METHODS) == second_visit.METHODS
     assert "First visits took" in text
-    single = [
-        {"agent": agent, "signs": signs, "difficulty": level, "episodes": 120}
-        | {"success": 0.9 - LESS[level], "spl": 0.8 - LESS[level]}
-        for agent in exploring.OPTIONS
-        for signs in SIGNS
-        for level in LEVELS
-    ]
-    sequence = [
-        {"agent": agent, "signs": signs, "goals": 10, "episodes": 64, "success": 0.7, "spl": 0.6}
-        | {"spl_gap": 0.02, "spl_gap_low": -0.01, "spl_gap_high": 0.05}
-        for agent in exploring.OPTIONS
-        for signs in SIGNS
-    ]
-    line = "| 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 | 70.0% / 0.600 |"
-    text = exploring.options(single, sequence)
-    assert f"| explored by sight | wayfinding {line} +0.020 (-0.010 to +0.050) |" in text
-    assert f"| the course's | plain {line}  |" in text
     rows = [
         {"figure": figure, "world": f"office/{world}/standard/wayfinding", "what": goal}
         | {"chosen": ghost, "best": 5, "success": ghost != 3, "travelled": 7.25}
@@ -213,9 +196,7 @@ def test_the_other_sections_read_their_reports():
     assert "| NTS | network, with depth | 1,834 |" in speed.exploration(rows)
     _, sections = render_chapter(load_results(), exploring)
     named = {name for found in sections for name in found.sources}
-    assert named == {
-        f"nts_{name}" for name in (*EXPLORING, "table1_car", "table1_options", "fig8_options")
-    }
+    assert named == {f"nts_{name}" for name in (*EXPLORING, "table1_car", "table1_rules")}
 
 
 RULES = [
