@@ -93,7 +93,7 @@ def test_scores_pay_and_the_oracle_is_above_all(ran):
     assert spl["nts"] > spl["fbe"] > spl["random"]
 
 
-@pytest.mark.parametrize("name", ["options", "no graph", "no score", "histogram", "chance", "fbe"])
+@pytest.mark.parametrize("name", ["no graph", "no score", "histogram", "chance", "fbe"])
 def test_every_variant_explores_and_every_episode_ends(name, ran):
     task, _ = ran(name)
     assert task.done.all()
