@@ -166,14 +166,6 @@ class Planner(Protocol):
 
 
 @runtime_checkable
-class Explorer(Protocol):
-    """Where to look next when the map does not hold the goal."""
-
-    def choose(self, observation: Observation, goal: Goals) -> Any:  # noqa: ANN401
-        """The next subgoal."""
-
-
-@runtime_checkable
 class Navigation(Policy, Protocol):
     """A `Policy` of N robots, each with a goal, that declares when it is over."""
 

@@ -19,7 +19,6 @@ from tutorial_lib.exploration.episodes import (
     draw_sequence,
     exploration_world,
 )
-from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.other_scores import HistogramScores, RandomScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
 from tutorial_lib.exploration.true_geometry import TrueGeometry
@@ -47,9 +46,6 @@ def make(name, task):
     rng, model = np.random.default_rng(2), TrueGeometry(task)
     return {
         "nts": lambda: NTSAgent(model, rng),
-        "options": lambda: NTSAgent(
-            model, rng, NTSSettings(explored_by_sight=True, choice=GhostChoice(0.3, True))
-        ),
         "no graph": lambda: NTSAgent(model, rng, NTSSettings(use_graph=False)),
         "no score": lambda: NTSAgent(model, rng, NTSSettings(use_score=False)),
         "histogram": lambda: NTSAgent(HistogramScores(model), rng),
@@ -97,7 +93,7 @@ def test_scores_pay_and_the_oracle_is_above_all(ran):
     assert spl["nts"] > spl["fbe"] > spl["random"]
 
 
-@pytest.mark.parametrize("name", ["options", "no graph", "no score", "histogram", "chance", "fbe"])
+@pytest.mark.parametrize("name", ["no graph", "no score", "histogram", "chance", "fbe"])
 def test_every_variant_explores_and_every_episode_ends(name, ran):
     task, _ = ran(name)
     assert task.done.all()

@@ -7,8 +7,9 @@ import pytest
 
 from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07, nb08, nb09
 from tutorial_lib.checks.framework import guard
+from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import Check, WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import expect_close
+from tutorial_lib.checks.framework.comparison import close, compare, farthest
 
 ANSWERS = Path(__file__).parents[1] / "wrong_answers"
 NOTEBOOKS = {
@@ -95,7 +96,7 @@ def test_a_slow_answer_is_praised_but_not_used(monkeypatch, capsys):
     @check(lambda x: x, (1.0,), calls=10_000)
     def check_identity(student):
         """It gives back what it got."""
-        expect_close("identity", student(2.0), 2.0)
+        compare("identity", student, {"a number": (2.0,)}, lambda x: x, {})
 
     def slow(x):
         sum(range(20_000))
@@ -107,7 +108,7 @@ def test_a_slow_answer_is_praised_but_not_used(monkeypatch, capsys):
     @check(lambda x: x, (1.0,), calls=10)
     def check_now_and_then(student):
         """It is called ten times."""
-        expect_close("identity", student(2.0), 2.0)
+        compare("identity", student, {"a number": (2.0,)}, lambda x: x, {})
 
     assert check_identity.use(slow) is check_identity.reference
     assert "times slower" in capsys.readouterr().out
@@ -130,7 +131,16 @@ def test_a_slow_answer_is_praised_but_not_used(monkeypatch, capsys):
 )
 def test_messages_go_from_shape_to_value(got, words):
     with pytest.raises(WrongAnswer, match=words):
-        expect_close("answer", got, [1.0, 2.0], mistakes={"they are swapped": [2.0, 1.0]})
+        compare(
+            "answer",
+            lambda: got,
+            {"two": ()},
+            lambda: np.array([1.0, 2.0]),
+            {"they are swapped": lambda: np.array([2.0, 1.0])},
+            form=lambda what, answer: numbers(what, answer, (2,)),
+            same=close,
+            difference=farthest,
+        )
 
 
 def test_a_check_that_runs_again_repeats_its_verdict(capsys):
@@ -163,9 +173,8 @@ def test_results_escape_what_students_write():
 
 
 def test_large_answers_must_be_as_right_as_small_ones():
-    expect_close("answer", np.array([1000.0000005]), [1000.0])
-    with pytest.raises(WrongAnswer, match="is right"):
-        expect_close("answer", np.array([1000.0005]), [1000.0])
+    assert close(np.array([1000.0000005]), [1000.0])
+    assert not close(np.array([1000.0005]), [1000.0])
 
 
 def test_a_probability_that_is_a_little_off_is_wrong():

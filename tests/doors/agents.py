@@ -26,7 +26,6 @@ from tutorial_lib import agents
 from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.returning import ReturnSettings
 from tutorial_lib.exploration import TrueGeometry
-from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.goal_search import SearchSettings
 from tutorial_lib.interfaces import Experience, Goals
 from tutorial_lib.topology import (
@@ -237,12 +236,10 @@ DOORS = {
         anything,
         use_graph=flag(True),
         use_score=flag(True),
-        explored_by_sight=flag(True),
         same_node=number(0.5, least=0),
         explorable=number(0.5, least=0),
         directions=whole(12, least=1),
         radius=number(3.0, above=0, most=50),
-        choice=a(GhostChoice()),
         search=a(SearchSettings()),
     ),
     "OracleExplorer": lambda: call(agents.OracleExplorer, anything, task=a(task())),

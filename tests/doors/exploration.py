@@ -130,7 +130,6 @@ DOORS = {
         anything,
         directions=whole(12, least=1),
         radius=number(3.0, least=0),
-        by_sight=flag(True),
     ),
     "GhostGraph.add_node": lambda: call(
         graph().add_node,
@@ -149,9 +148,7 @@ DOORS = {
     "GhostGraph.path": lambda: call(graph().path, start=node(), end=node(1)),
     "GhostGraph.place_of": lambda: call(graph().place_of, ghost=a(GHOST)),
     "GhostGraph.poses_from": lambda: call(graph().poses_from, node=node()),
-    "GhostGraph.promote": lambda: call(graph().promote, ghost=a(GHOST)),
     "GhostGraph.remove": lambda: call(graph().remove, ghost=a(GHOST)),
-    "GhostGraph.shortest": lambda: call(graph().shortest, node=node()),
     "LocalMaps": lambda: call(
         exploration.LocalMaps,
         anything,

@@ -390,9 +390,6 @@ DOORS = {
         motions=poses(),
         rng=a(rng()),
     ),
-    "WheelOdometry.disturbed": lambda: call(
-        world.WheelOdometry().disturbed, numbers, motions=poses(), noise=poses()
-    ),
     "DriftingOdometry": lambda: call(
         lambda seed, wheels: noise.DriftingOdometry(seed, wheels=wheels),
         anything,
@@ -472,6 +469,6 @@ WITHOUT = {
             "Raycaster.meet",
             "WheelOdometry.read",
         ),
-        "what is behind the doors `look`, `scan`, `cast` and `disturbed`",
+        "what is behind the doors `look`, `scan`, `cast` and `measure`",
     ),
 }

@@ -170,13 +170,6 @@ MUTATIONS = [
         "exploration/test_global_policy.py -k entering",
     ),
     (
-        "travel is worth nothing",
-        "exploration/global_policy.py",
-        "settings.travel_weight * metres / MAX_DISTANCE",
-        "0.0 * metres / MAX_DISTANCE",
-        "exploration/test_global_policy.py -k highest",
-    ),
-    (
         "a missed goal leaves what was left of the path",
         "exploration/goal_search.py",
         "self.found[lost], self.left[lost] = False, np.inf",
@@ -258,20 +251,6 @@ MUTATIONS = [
         "exploration/ghost_graph.py",
         "        self._forget_paths()\n        self._stands(first, pose)",
         "        self._stands(first, pose)",
-        "exploration/test_global_policy.py",
-    ),
-    (
-        "the way to a ghost counts in its favour",
-        "exploration/global_policy.py",
-        "values = values - settings.travel_weight",
-        "values = values + settings.travel_weight",
-        "exploration/test_global_policy.py",
-    ),
-    (
-        "views of one opening are added up",
-        "exploration/global_policy.py",
-        "together @ values / together.sum(axis=1)",
-        "together @ values",
         "exploration/test_global_policy.py",
     ),
     (
@@ -421,13 +400,6 @@ MUTATIONS = [
         "stuck = found & (self.left[robots] < _AT_END) & ~stop",
         "stuck = found & (self.left[robots] < 0.0) & ~stop",
         "exploration/test_goal_search.py",
-    ),
-    (
-        "metres to a ghost count from the node, not the robot",
-        "exploration/global_policy.py",
-        "np.linalg.norm(places - memory.offset[:2], axis=1)",
-        "np.linalg.norm(places, axis=1)",
-        "exploration/test_global_policy.py",
     ),
     (
         "a robot passes a node only where it stands on it",

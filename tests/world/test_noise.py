@@ -98,7 +98,7 @@ def test_every_number_of_a_robot_s_stream_is_used_in_turn():
     normal = [np.random.default_rng(one).normal(size=(250, 3)) for one in streams]
     noise, wheels = DriftingOdometry(8), WheelOdometry()
     for motion, drawn in zip(motions, np.stack(normal, axis=1), strict=True):
-        assert (noise.measure(motion, None) == wheels.disturbed(motion, drawn)).all()
+        assert (noise.measure(motion, None) == wheels.read(motion, drawn)).all()
 
 
 def test_every_discrete_action_has_the_next_noise_of_its_robot():

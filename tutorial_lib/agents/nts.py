@@ -11,7 +11,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
 from tutorial_lib.exploration.ghost_graph import GhostGraph
-from tutorial_lib.exploration.global_policy import GhostChoice, choose_ghost, subgoal
+from tutorial_lib.exploration.global_policy import choose_ghost, subgoal
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.graph_update import GraphUpdate, Localisation, Memory, free_metres
 from tutorial_lib.interfaces import ExplorationModel
@@ -30,37 +30,31 @@ class NTSSettings:
         use_graph: without it, the best direction of the present panorama is taken, and no graph
             is kept (the paper's ablation, section 6.1).
         use_score: without it, scores are random: a ghost is drawn (the other ablation).
-        explored_by_sight: ghosts that another node sees well go to the reserve; in the paper they
-            stay. It helps where scores are poor, and costs where they are good.
         same_node: probability of F_L from which a robot is in a node.
         explorable: probability of F_G from which a direction gets a ghost.
         directions: of each node, as many as the model has; 12 in the paper.
         radius: metres from a node to its ghosts, as of the model's; 3 in the paper.
         localisation: how a robot finds itself in its graph.
-        choice: how ghosts are compared.
         search: how the goal is noticed.
     """
 
     use_graph: bool = True
     use_score: bool = True
-    explored_by_sight: bool = False
     same_node: float = 0.5
     explorable: float = 0.5
     directions: int = DIRECTIONS
     radius: float = RADIUS
     localisation: Localisation = field(default_factory=Localisation)
-    choice: GhostChoice = field(default_factory=GhostChoice)
     search: SearchSettings = field(default_factory=SearchSettings)
 
     def __post_init__(self) -> None:
-        for name in ("use_graph", "use_score", "explored_by_sight"):
-            flag(name, getattr(self, name))
+        flag("use_graph", self.use_graph)
+        flag("use_score", self.use_score)
         floats("same_node", self.same_node, (), least=0.0)
         floats("explorable", self.explorable, (), least=0.0)
         whole("directions", self.directions, least=1, most=10_000)
         floats("radius", self.radius, (), least=0.1, most=50.0)
         instance("localisation", self.localisation, Localisation)
-        instance("choice", self.choice, GhostChoice)
         instance("search", self.search, SearchSettings)
 
 
@@ -92,9 +86,8 @@ class NTSAgent:
         """Begin episodes towards `goals` (N,); forget all before."""
         instance("goals", goals, Observation)
         chosen, count = self._settings, len(goals)
-        shape = (chosen.directions, chosen.radius)
         self.robots = [
-            ExploringRobot(rng, Memory(GhostGraph(*shape, by_sight=chosen.explored_by_sight)))
+            ExploringRobot(rng, Memory(GhostGraph(chosen.directions, chosen.radius)))
             for rng in self._rng.spawn(count)
         ]
         self.search = GoalSearch(self._model, goals, self._settings.search)
@@ -171,7 +164,7 @@ class NTSAgent:
         memory, scores = robot.memory, np.array(robot.scores)
         if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
             scores = robot.rng.random(scores.shape)
-        ghost = choose_ghost(memory, scores, self._settings.choice, robot.rng)
+        ghost = choose_ghost(memory, scores, robot.rng)
         if ghost is None:
             return Destination(int(robot.rng.integers(len(memory.graph))), np.zeros(2))
         return Destination(ghost.node, memory.graph.place_of(ghost), ghost)

@@ -42,7 +42,7 @@ ABLATIONS = {
     "reuse": "rules by which maps stay small",
     "patience": "how soon a follower gives up",
     "geometry": "the true geometry in place of the networks, for those that drive",
-    "options": "rules that the paper has and the agent has not, or the other way round",
+    "rules": "the agent with rules of the paper that it has not",
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
     "parts": "the agent without one of its parts at a time",

@@ -10,13 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of, column_of
-from tutorial_lib.se2 import Array, compose, inverse, to_world
-from tutorial_lib.validation import flag, flags, floats, instance, number, whole
+from tutorial_lib.se2 import Array, compose, inverse
+from tutorial_lib.validation import flags, floats, instance, number, whole
 
 BESIDE = 1.5 * RADIUS
 """Metres within which a node in sight stands in a direction of another one without an edge."""
-SEEN = 0.75 * RADIUS
-"""Metres from which a node sees a ghost of another one so well that it is explored."""
 EXPLORED = 1.0
 """Metres from a node within which a ghost is explored, in whatever direction."""
 _MOST = 10_000  # directions
@@ -51,8 +49,6 @@ class GhostGraph:
     worlds 10,100 to 10,103: a ghost also goes when a node is within `EXPLORED` of it, and when one
     without an edge stands in its direction within `BESIDE` and in sight. These two change SPL by at
     most 0.02, with scores and without.
-    `by_sight`, off by default, raises SPL on hard episodes from 0.37 to 0.44 for ghosts that are
-    drawn, and lowers it from 0.88 to 0.85 for the best ones.
 
     A node's frame is the robot's pose when the node was made. An edge stores the pose of one node
     in the frame of the other by odometry; no pose is relative to anything farther away.
@@ -64,24 +60,20 @@ class GhostGraph:
         directions: of each node.
     """
 
-    def __init__(
-        self, directions: int = DIRECTIONS, radius: float = RADIUS, *, by_sight: bool = False
-    ) -> None:
+    def __init__(self, directions: int = DIRECTIONS, radius: float = RADIUS) -> None:
         """Start with an empty graph.
 
         Args:
             directions: of each node.
             radius: metres from a node to its ghosts.
-            by_sight: ghosts that another node sees well go to the reserve.
         """
         self.directions = whole("directions", directions, least=1, most=_MOST)
         self._radius = number("radius", radius, least=0.0)
-        self._by_sight = flag("by_sight", by_sight)
         self.edges: list[dict[int, Array]] = []
         self.ghosts: dict[tuple[int, int], Ghost] = {}
         self.reserve: dict[tuple[int, int], Ghost] = {}
         self._ranges: list[Array] = []
-        self._paths: dict[int, tuple[Array, NDArray[np.intp], list[int]]] = {}
+        self._paths: dict[int, tuple[NDArray[np.intp], list[int]]] = {}
         self._poses: dict[int, Array] = {}
 
     def __len__(self) -> int:
@@ -169,22 +161,12 @@ class GhostGraph:
         self.ghosts.update(self.reserve)
         self.reserve.clear()
 
-    def promote(self, ghost: Ghost) -> None:
-        """Make one direction of the reserve a ghost; nothing changes for one that is."""
-        whole("ghost: node", instance("ghost", ghost, Ghost).node, most=len(self) - 1)
-        self.reserve.pop((ghost.node, ghost.direction), None)
-        self.ghosts[ghost.node, ghost.direction] = ghost
-
-    def shortest(self, node: int) -> tuple[Array, NDArray[np.intp]]:
-        """Dijkstra's algorithm: metres (V,) to every node, and the node before it, -1 for none.
+    def _shortest(self, node: int) -> tuple[NDArray[np.intp], list[int]]:
+        """Dijkstra's algorithm: the node before each (V,), -1 for none; nodes as they are reached.
 
         Kept until the graph changes. scipy's takes a sparse matrix, which has no place for an edge
         of no length, and with it twice as long for fifteen nodes (1.3 times for forty).
         """
-        return self._dijkstra(self._node("node", node))[:2]
-
-    def _dijkstra(self, node: int) -> tuple[Array, NDArray[np.intp], list[int]]:
-        """See `shortest`; and the nodes in the order in which they were reached."""
         if node in self._paths:
             return self._paths[node]
         metres, before = np.full(len(self), np.inf), np.full(len(self), -1)
@@ -199,12 +181,12 @@ class GhostGraph:
                 if total < metres[other]:
                     metres[other], before[other] = total, here
                     heapq.heappush(waiting, (total, other))
-        self._paths[node] = metres, before, order
+        self._paths[node] = before, order
         return self._paths[node]
 
     def path(self, start: int, end: int) -> list[int]:
         """The nodes of the shortest path, both ends included."""
-        _, before, _ = self._dijkstra(self._node("end", end))
+        before, _ = self._shortest(self._node("end", end))
         nodes = [self._node("start", start)]
         while nodes[-1] != end:
             nodes.append(int(before[nodes[-1]]))
@@ -213,7 +195,7 @@ class GhostGraph:
     def poses_from(self, node: int) -> Array:
         """(V, 3) poses of all nodes in the frame of one, along shortest paths."""
         if self._node("node", node) not in self._poses:
-            _, before, order = self._dijkstra(node)
+            before, order = self._shortest(node)
             poses = np.zeros((len(self), 3))
             for other in order[1:]:
                 last = int(before[other])
@@ -254,17 +236,6 @@ class GhostGraph:
             if self._sees(node, poses[other, :2]) or self._sees(other, back[:2]):
                 self._stands(node, poses[other])
                 self._stands(other, back)
-        if self._by_sight:
-            for other in beside:
-                self._keep_seen(node, other, poses[other])
-                self._keep_seen(other, node, inverse(poses[other]))
-
-    def _keep_seen(self, viewer: int, node: int, pose: Array) -> None:
-        """Keep in reserve the ghosts of a node at `pose` that another one sees well."""
-        for ghost in [g for g in self.ghosts.values() if g.node == node]:
-            place = to_world(pose, self.place_of(ghost))
-            if np.linalg.norm(place) < SEEN and self._sees(viewer, place):
-                self.reserve[node, ghost.direction] = self.ghosts.pop((node, ghost.direction))
 
     def _sees(self, viewer: int, place: Array) -> bool:
         """Whether a node sees a place (2,) in its frame; one that was made without ranges does not.

@@ -79,14 +79,8 @@ class WheelOdometry:
         motions = floats("motions", motions, ("N", 3))
         return self.read(motions, instance("rng", rng, Rng).normal(size=motions.shape))
 
-    def disturbed(self, motions: Array, noise: Array) -> Array:
-        """The same with `noise` (N, 3) from the standard normal distribution."""
-        motions, noise = floats("motions", motions, ("N", 3)), floats("noise", noise, ("N", 3))
-        alike(motions=motions, noise=noise)
-        return self.read(motions, noise)
-
     def read(self, motions: Array, noise: Array) -> Array:
-        """`disturbed` for arrays that are right already."""
+        """The same with `noise` (N, 3) from the standard normal distribution, unchecked."""
         length = np.linalg.norm(motions[:, :2], axis=1)
         read = motions.copy()
         read[:, :2] *= 1 + self.distance * noise[:, :1]
@@ -161,10 +155,6 @@ class Mixture:
             means=floats("means", self.means, ("M", 3)),
             deviations=floats("deviations", self.deviations, ("M", 3), least=0),
         )
-
-    def sample(self, count: int, rng: Rng) -> Array:
-        """`count` motions (count, 3): metres ahead, metres to the left, rad."""
-        return self.motions(rng.random(count), rng.normal(size=(count, 3)))
 
     def motions(self, luck: Array, noise: Array) -> Array:
         """Motions (N, 3) from `luck` (N,) in [0, 1), uniform, and `noise` (N, 3), normal."""

@@ -150,7 +150,6 @@ def test_names_stand_for_the_agents_that_they_say(monkeypatch):
     changed = {
         "nts_no_graph": ("use_graph", False),
         "nts_no_score": ("use_score", False),
-        "nts_by_sight": ("explored_by_sight", True),
     }
     usual = make("nts")._settings
     for name, (field, value) in changed.items():
@@ -167,8 +166,5 @@ def test_names_stand_for_the_agents_that_they_say(monkeypatch):
     assert set(rules) == set(explorers.AS_IN_PAPER)
     for name, wanted in rules.items():
         assert vars(make(name)._settings) == {**vars(usual), "localisation": wanted}
-    assert make("nts_travel")._settings.choice.travel_weight == 0.1
-    assert make("nts_views")._settings.choice.combine_views
-    assert make("nts_reserve")._settings.choice.reserve_penalty == 0.1
     fine = make("nts_2m", geometry=True)._settings
     assert (fine.directions, fine.radius) == (24, 2.0)

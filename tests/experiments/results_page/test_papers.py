@@ -138,7 +138,7 @@ def test_what_is_said_of_nts_holds_of_the_stored_rows():
 
 
 def test_what_is_said_of_the_papers_rules_holds_of_the_stored_rows():
-    rows = RESULTS.rows("nts_table1_options")
+    rows = RESULTS.rows("nts_table1_rules")
 
     def gap(agent, signs, level):
         keys = {"signs": signs, "difficulty": level}

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.alterations import altered
-from tutorial_lib.checks.framework.answers import call, numbers, patient, unchanged
+from tutorial_lib.checks.framework.answers import call, patient, unchanged
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 
@@ -120,7 +120,7 @@ def _answer(
 def _known(rule: Function, form: Function, what: str, case: Sequence[Any]) -> Any:  # noqa: ANN401
     """What a rule answers to a case; kept, since every wrong answer is held against all mistakes.
 
-    Rules are the same if they have the same parts: checks make those with a `fault` anew.
+    Rules are the same if they have the same parts: partial ones are made anew.
     """
     key = (*map(id, _parts(rule)), *map(id, case))
     if key not in _KNOWN:
@@ -171,11 +171,6 @@ def _best(
     return best or partly
 
 
-def with_faults(rule: Function, faults: Mapping[str, str]) -> dict[str, Function]:
-    """For what to say of each fault, the rule with its argument `fault` set to it."""
-    return {words: partial(rule, fault=fault) for words, fault in faults.items()}
-
-
 def expect(
     what: str,
     got: object,
@@ -202,32 +197,6 @@ def expect(
     if not same(got, want):
         words = _named(got, mistakes, same) or difference(got, want)
         raise WrongAnswer(f"{what}: {words}", picture)
-
-
-def expect_close(
-    what: str,
-    got: object,
-    want: ArrayLike,
-    tolerance: float = 1e-6,
-    mistakes: Mapping[str, ArrayLike] | None = None,
-    picture: NDArray[np.uint8] | None = None,
-) -> None:
-    """Demand one answer of numbers; shape first, then values.
-
-    Args:
-        what: was computed, for the message.
-        got: the student's answer.
-        want: the right one.
-        tolerance: that may lie between them.
-        mistakes: for known mistakes, what to say and the answer that they give.
-        picture: target and yours.
-
-    Raises:
-        WrongAnswer: with the most helpful message.
-    """
-    want = np.asarray(want, dtype=float)
-    values, same = numbers(what, got, want.shape), partial(close, tolerance=tolerance)
-    expect(what, values, want, (mistakes or {}).items(), same, farthest, picture)
 
 
 def _named(

@@ -15,7 +15,6 @@ from tutorial_lib.agents.oracle_explorer import OracleExplorer
 from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.own import load_own
-from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.graph_update import PAPER, Localisation
 from tutorial_lib.exploration.other_scores import HistogramScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask
@@ -39,17 +38,13 @@ WITH_GEOMETRY = (
     *("fbe", "random", "oracle"),
 )
 """The agents that run without a network where an oracle stands in for it."""
-OPTIONS = ("nts", "nts_travel", "nts_views", "nts_reserve", "nts_by_sight")
-"""The course's agent, and the same with one more rule that the paper does not have: travelling
-costs, views of one opening are combined, the reserve is compared with ghosts, what is in sight
-counts as explored."""
 AS_IN_PAPER = (
     *("nts_masked", "nts_all_nodes", "nts_by_odometry", "nts_no_ghost_nodes"),
     "nts_paper",
 )
-"""The same with one thing as the paper has it, and with all four: F_S that learnt from unconnected
-pairs only; F_L over all nodes; edges to known nodes by odometry; no node at a ghost where F_L has
-the robot in the old one."""
+"""The course's agent with one thing as the paper has it, and with all four: F_S that learnt from
+unconnected pairs only; F_L over all nodes; edges to known nodes by odometry; no node at a ghost
+where F_L has the robot in the old one."""
 _FINE = {"directions": 24, "radius": 2.0}
 """Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
 _SETTINGS = {
@@ -59,10 +54,6 @@ _SETTINGS = {
     "nts_no_graph": NTSSettings(use_graph=False),
     "nts_no_score": NTSSettings(use_score=False),
     "nts_2m": NTSSettings(**_FINE),
-    "nts_travel": NTSSettings(choice=GhostChoice(travel_weight=0.1)),
-    "nts_views": NTSSettings(choice=GhostChoice(combine_views=True)),
-    "nts_reserve": NTSSettings(choice=GhostChoice(reserve_penalty=0.1)),
-    "nts_by_sight": NTSSettings(explored_by_sight=True),
     "nts_masked": NTSSettings(),
     "nts_all_nodes": NTSSettings(localisation=Localisation(all_nodes=True)),
     "nts_by_odometry": NTSSettings(localisation=Localisation(edges_by_odometry=True)),
@@ -92,8 +83,8 @@ def make_explorer(
     """An agent for a task.
 
     Args:
-        name: one of `AGENTS`, `OPTIONS` or `AS_IN_PAPER`; with `geometry` of `WITH_GEOMETRY` in
-            place of the first.
+        name: one of `AGENTS` or `AS_IN_PAPER`; with `geometry` of `WITH_GEOMETRY` in place of the
+            first.
         task: of which oracles see more than others.
         sensor: of its networks.
         rng: draws what is random in the agent.
@@ -102,7 +93,7 @@ def make_explorer(
     Raises:
         InputError: for an unknown name or sensor, and where weights are needed that are not there.
     """
-    known = (*(WITH_GEOMETRY if geometry else AGENTS["rgbd"]), *OPTIONS[1:], *AS_IN_PAPER)
+    known = (*(WITH_GEOMETRY if geometry else AGENTS["rgbd"]), *AS_IN_PAPER)
     if name not in known:
         raise InputError(f"agent: {name!r} is unknown here; use one of {', '.join(known)}")
     if sensor not in AGENTS:

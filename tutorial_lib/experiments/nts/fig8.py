@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.explorers import OPTIONS, check_shipped, make_explorer
+from tutorial_lib.experiments.common.explorers import check_shipped, make_explorer
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.exploration import VALIDATION, WORLDS
@@ -118,16 +118,6 @@ _GEOMETRY = Experiment(
     quick_settings=Settings(6, geometry=True),
     accepts=frozenset({"palette"}),
 )
-_OPTIONS = Experiment(
-    "nts_fig8_options",
-    run,
-    VALIDATION,
-    VALIDATION[:3],
-    Settings(8, agents=OPTIONS),
-    quick_settings=Settings(4, agents=OPTIONS),
-    canary=Settings(2, 2, OPTIONS),
-    accepts=frozenset({"palette"}),
-)
 _EXACT = Experiment(
     "nts_fig8_exact",
     run,
@@ -146,5 +136,5 @@ EXPERIMENT = Experiment(
     quick_settings=Settings(6),
     canary=Settings(2, 2),
     accepts=frozenset({"palette"}),
-    ablations={"geometry": _GEOMETRY, "options": _OPTIONS, "exact": _EXACT},
+    ablations={"geometry": _GEOMETRY, "exact": _EXACT},
 )

@@ -9,7 +9,6 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import (
     AGENTS,
     AS_IN_PAPER,
-    OPTIONS,
     WITH_GEOMETRY,
     check_shipped,
     own_explorer,
@@ -144,14 +143,14 @@ def _turned(results: dict[Key, dict[str, Array]]) -> list[str]:
     return [f"turned at their starts: {int(one.sum())} of {len(one)} cars" for one in found]
 
 
-_OPTIONS = Experiment(
-    "nts_table1_options",
+_RULES = Experiment(
+    "nts_table1_rules",
     run,
     VALIDATION,
     VALIDATION[:4],
-    Settings(rgbd=(*OPTIONS, *AS_IN_PAPER), rgb=()),
-    quick_settings=Settings(9, (*OPTIONS, *AS_IN_PAPER), ()),
-    canary=Settings(3, (*OPTIONS, *AS_IN_PAPER), ()),
+    Settings(rgbd=("nts", *AS_IN_PAPER), rgb=()),
+    quick_settings=Settings(9, ("nts", *AS_IN_PAPER), ()),
+    canary=Settings(3, ("nts", *AS_IN_PAPER), ()),
     accepts=frozenset({"palette"}),
 )
 _QUICK = ("nts", "fbe", "ans_like", "random", "oracle")
@@ -173,5 +172,5 @@ EXPERIMENT = Experiment(
     quick_settings=Settings(9, _QUICK, ()),
     canary=Settings(3),
     accepts=frozenset({"palette", "agent", "body"}),
-    ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
+    ablations={"geometry": _GEOMETRY, "rules": _RULES},
 )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from itertools import product
+from typing import Any
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.nts.scores import PAIRS
@@ -65,14 +66,6 @@ RULES = {
     "nts_paper": "all four",
 }
 """How the course's rules and those of the paper are called on the page."""
-OPTIONS = {
-    "nts": "the course's",
-    "nts_travel": "travelling costs",
-    "nts_views": "views combined",
-    "nts_reserve": "reserve compared",
-    "nts_by_sight": "explored by sight",
-}
-"""How rules beyond the paper are called on the page."""
 GOALS = {"passed": "passed on the first visit", "elsewhere": "elsewhere", "all": "all"}
 
 
@@ -226,7 +219,7 @@ def gaps(rows: Rows) -> str:
 
 def rules(results: Results) -> str:
     """Rules of the paper: success / SPL on single goals, and what the course's gain over them."""
-    name = "nts_table1_options"
+    name = "nts_table1_rules"
 
     def gap(row: Row, level: str) -> str:
         if row["agent"] == "nts":
@@ -237,7 +230,10 @@ def rules(results: Results) -> str:
         _asked(agent=RULES, signs=SIGNS),
         ("rule", lambda row: RULES[row["agent"]]),
         ("worlds", "{signs}"),
-        *_single_goals(results.rows(name)),
+        *(
+            (level, of(results.rows(name), success_and_spl, difficulty=level))
+            for level in DIFFICULTIES
+        ),
         *(
             (f"{level}: course's - this, SPL", lambda row, level=level: gap(row, level))
             for level in DIFFICULTIES
@@ -245,24 +241,10 @@ def rules(results: Results) -> str:
     )
 
 
-def hard_goals(rows: Rows, agent: str) -> str:
-    """Success on hard goals in plain worlds / with signs."""
-    found = [one(rows, agent=agent, signs=signs, difficulty="hard") for signs in SIGNS]
+def by_signs(rows: Rows, **values: Any) -> str:  # noqa: ANN401 - any value of a row
+    """Success in plain worlds / with signs in the rows that have those values."""
+    found = [one(rows, signs=signs, **values) for signs in SIGNS]
     return " / ".join(percents(column(found, "success"), 0))
-
-
-def options(single: Rows, sequence: Rows) -> str:
-    """Rules beyond the paper: success / SPL on single goals, and over ten in a row."""
-    gap = "{spl_gap:+.3f} ({spl_gap_low:+.3f} to {spl_gap_high:+.3f})"
-    gap_at_ten = of(sequence, gap, goals=10)
-    return listing(
-        _asked(agent=OPTIONS, signs=SIGNS),
-        ("rule", lambda row: OPTIONS[row["agent"]]),
-        ("worlds", "{signs}"),
-        *_single_goals(single),
-        ("ten goals", of(sequence, success_and_spl, goals=10)),
-        ("SPL: course's - this", lambda row: "" if row["agent"] == "nts" else gap_at_ten(row)),
-    )
 
 
 def second_visit(rows: Rows) -> str:
@@ -302,10 +284,6 @@ def ghosts(rows: Rows) -> list[int]:
 def _asked(**values: Iterable[str]) -> Rows:
     """What lines ask for: all combinations of the values of some columns."""
     return [dict(zip(values, found, strict=True)) for found in product(*values.values())]
-
-
-def _single_goals(rows: Rows) -> list[tuple[str, Callable[[Row], str]]]:
-    return [(level, of(rows, success_and_spl, difficulty=level)) for level in DIFFICULTIES]
 
 
 def _reported(levels: Iterable[tuple[float | None, float | None]]) -> str:

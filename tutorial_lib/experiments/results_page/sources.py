@@ -101,13 +101,10 @@ EXPERIMENTS = {
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
     "nts_table1_car": "experiment nts_table1 --body car",
-    **{
-        f"nts_{name}_options": f"experiment nts_{name} --ablation options"
-        for name in ("table1", "fig8")
-    },
+    "nts_table1_rules": "experiment nts_table1 --ablation rules",
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
-RETIRED = ("calibration_mirror",)
+RETIRED = ("calibration_mirror", "nts_table1_options", "nts_fig8_options")
 """Reports on what was tried and not kept: their code is gone, and a sentence of each stays."""
 COMMANDS = EXPERIMENTS | {name: f"bench {name}" for name in BENCHMARKS}
 """The same, with those whose numbers are a machine's speed."""
