@@ -677,7 +677,12 @@ for name, by in (("yours", insert), ("hers", hers)):
     grown = grow(home.reach, home.trajectories, 0.99, by=by)
     replaced = count - len(grown.vertices)
     rows.append([name, len(grown.vertices), replaced, home.reach[grown.driven].min()])
-head = {"map": "", "vertices": "d", f"of {count} anchors replaced": "d", "least RE of a step": ".3f"}
+head = {
+    "map": "",
+    "vertices": "d",
+    f"of {count} anchors replaced": "d",
+    "least RE of a step": ".3f",
+}
 table(head, rows)
 
 # %% [markdown]
