@@ -200,8 +200,8 @@ MUTATIONS = [
     (
         "a controller drives the body that it was made for, whatever the robots are",
         "driving/control/same_body.py",
-        "if body is None or body == mine:",
-        "if body is None or body is not mine:",
+        "if body is None or body == controller.body:",
+        "if body is None or body is not controller.body:",
         "driving/control/test_same_body.py -k action",
     ),
     (

@@ -74,7 +74,7 @@ MUTATIONS = [
     (
         "a picture's size is not looked at before it is decoded",
         "reading/pictures.py",
-        "    _check_size(*size, MAX_PIXELS)\n",
+        "    _check_size(width, height, MAX_PIXELS)\n",
         "",
         "reading/test_pictures.py -k too_large",
     ),

@@ -193,7 +193,7 @@ MUTATIONS = [
     (
         "the digest of a map ignores values",
         "topology/mapping/storage.py",
-        "        digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8))\n",
+        "digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8).data)",
         "",
         "topology/mapping/test_storage.py",
     ),

@@ -27,7 +27,8 @@ FOLDER, FILE = str(PROJECT / "tests"), f"{__file__}::test_the_files_named_exist"
     ],
 )
 def test_folders_are_run_side_by_side(arguments, given, workers, dist):
-    usual = {"numprocesses": None, "maxprocesses": None, "tx": [], "dist": "no", "capture": "fd"}
+    usual = {"numprocesses": None, "maxprocesses": None, "maxworkerrestart": None}
+    usual |= {"tx": [], "dist": "no", "capture": "fd"}
     config = SimpleNamespace(args=arguments, option=SimpleNamespace(**usual | given))
     conftest.pytest_cmdline_main(config)
     assert (config.option.numprocesses, config.option.dist) == (workers, dist)

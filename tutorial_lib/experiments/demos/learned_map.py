@@ -18,7 +18,7 @@ from tutorial_lib.course import cache_folder
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.files import make_folder
-from tutorial_lib.learning.estimators import ReachabilityNetwork
+from tutorial_lib.learning.networks import LocalNetwork
 from tutorial_lib.learning.weights import digest_of
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -77,7 +77,9 @@ def learned_maps() -> Path:
 def _name(building: Building, agent: MengAgent) -> str:
     """Names the building, and in a digest the networks, the settings, and what was recorded."""
     rules = agent.settings, agent.turns, agent.p_sparsify, agent.predictor.k
-    network = instance("reachability", agent.reachability, ReachabilityNetwork).network
+    network = instance(
+        "reachability.network", getattr(agent.reachability, "network", None), LocalNetwork
+    )
     digest = hashlib.sha256(repr((digest_of(network), *rules)).encode())
     digest.update(plan_to_json(building.scene.plan).encode())
     for drive in building.recorded.trajectories:
