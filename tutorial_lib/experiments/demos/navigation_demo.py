@@ -116,7 +116,8 @@ def navigate_once(
         scene: the world.
         seed: of everything that is random.
         places: between which trajectories are recorded.
-        goal: (3,) pose at which the goal image is taken; it is chosen unless given.
+        goal: (3,) pose to arrive in; the goal image is taken where a car arrives. It is chosen
+            unless given.
 
     Raises:
         InputError: when the scene is too small, or the goal cannot be had.
