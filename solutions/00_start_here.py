@@ -1,38 +1,30 @@
 # %% [markdown]
 # # 00 · Start here
 #
-# **Ten minutes. There is no code to write.** Click into the first cell and press *Shift + Enter*,
-# again and again, down to the end. The code is folded away; click the three dots to read it.
+# **The photo on the fridge.** You've moved into a flat, and a robot car with a camera lives there. On the fridge hangs a photo, with a note: *take me here*. You have the floor plan. The robot has the photo. *Where was it taken?*
 #
-# **After this notebook you will**
+# In a minute it'll drive there, once, by magic. Then the magic's off, and in nine notebooks you'll build it yourself.
 #
-# - know that your computer has what the course needs;
-# - have driven a small robot car yourself;
-# - be able to say what a camera alone tells a robot about its position, and what it does not;
-# - know what you will build in the notebooks that follow.
-#
-# **You need** some Python: functions, loops, and a little `numpy`. You need no robot and no
-# graphics card.
-
-# %% [markdown]
-# ## Check your installation
-#
-# The cell below checks your installation. If something is missing, it prints what to do.
+# **Ten minutes, and no code to write.** Click into the first cell, which checks your installation, and press *Shift + Enter*, again and again. Most code is folded; click the three dots to read it.
 
 # %%
 from tutorial_lib.checks.nb00 import check_environment
 
 ready = check_environment()
+
 # %% hidden=true
-# Import what the cells below need
+# The flat, and the photo on the fridge
 import tempfile
 from pathlib import Path
 
 import cv2
 import numpy as np
+from IPython.display import display
 
+from tutorial_lib.checks.predictions import Prediction
+from tutorial_lib.checks.robot import name_robot
 from tutorial_lib.driving import GridPaths, OraclePolicy
-from tutorial_lib.experiments.demos import choose_places, navigate_once, place_people
+from tutorial_lib.experiments.demos import navigate_once, place_people
 from tutorial_lib.geometry import arc_length, compose
 from tutorial_lib.learning import use_threads
 from tutorial_lib.viz import (
@@ -40,10 +32,12 @@ from tutorial_lib.viz import (
     TeleopController,
     camera_picture,
     chart,
+    closeup,
     colours,
     draw_field_of_view,
     faded,
     from_figure,
+    label,
     play,
     show,
     side_by_side,
@@ -62,105 +56,167 @@ from tutorial_lib.world import (
 )
 
 use_threads(1)  # the networks are small: a second thread would mostly wait
-
-# %% [markdown]
-# ## One place, seen twice
-#
-# Here is an apartment from above, and a robot in it: the blue arrow. Its camera has a field of view
-# of 120 degrees. The floor that the camera can see is yellow.
-#
-# **Before you run the cell:** the robot stands in the living room, at the lower left of the map,
-# and looks to the right. What will be on the left of its image, and what on the right?
-
-# %% hidden=true
-# Draw an apartment from above, and what its robot sees
 home = Scene(generate("apartment", seed=2))
-pose = np.array([-4.5, -11.6, 0.2])  # x and y in metres, heading in radians: 0 is to the right
 camera = Camera(rows=64, columns=192)
+fridge = np.array([2.97, -0.73, 0.48])  # of the photo: x and y in metres, and the heading
+corner = np.array([-5.07, -12.85, 0.72])  # where the robot stands at first
+PLACES = {"A": [-4.79, -12.66, -2.55], "B": fridge, "C": [-4.87, -7.85, -2.8]}
 
 
-def map_with_camera(scene, pose, width=320, height=420):
-    """The map with the robot and its field of view, and the robot's camera image."""
-    view = PlanView(scene, width, height)
-    above = view.base.copy()
-    draw_field_of_view(view, above, scene, pose)
-    view.arrow(above, pose)
-    images, _ = camera.look(scene, pose[None])  # one pose in, one image out
-    return above, camera_picture(images[0], 480, smooth=True)
+def photo(scene, pose, width=400):
+    """What a camera sees at a pose."""
+    images, _ = camera.look(scene, np.array(pose)[None])  # one pose in, one image out
+    return camera_picture(images[0], width, smooth=True)
 
 
-above, seen = map_with_camera(home, pose)
-show(side_by_side([above, seen], ["what we see: the map", "what the robot sees: an image"]))
+def plan_with(scene, poses, names=None, size=(330, 400), tones=(colours.ROBOT,) * 3):
+    """A plan with cameras at poses, what they see in yellow, and perhaps their names."""
+    view = PlanView(scene, *size)
+    plan = view.base.copy()
+    for pose in poses:
+        draw_field_of_view(view, plan, scene, np.array(pose))
+    for pose, name, tone in zip(poses, names or " " * len(poses), tones, strict=False):
+        view.arrow(plan, np.array(pose), tone)
+        x, y = view.pixels(pose[:2]).round().astype(int)
+        label(plan, name, x + 15 if x < size[0] / 2 else x - 32, y + 6)
+    return plan
 
-# %% [markdown]
-# The map shows where everything is, in metres. **The robot does not have it.** It gets only the
-# image on the right.
-#
-# The image says: *something green and blue is close on my left, and I can drive past it.* It does
-# not say *you are in the living room at (-4.5, -11.6)*. To navigate to the place shown in an image,
-# with nothing but such images, is called **image-goal navigation**. It is the problem of this
-# course.
 
-# %% [markdown]
-# ## Two places that look alike
-#
-# The next building is an office. It repeats one piece of corridor with its rooms, as real offices
-# often do. Two robots stand in two of its rooms, more than twelve metres apart. The
-# blue one is in room A, the orange one in room B.
-#
-# **Before you run the cell:** in how many of their 12,288 pixels will the two images differ?
-
-# %% hidden=true
-# Draw two rooms of an office, and what a robot sees in each
-office = Scene(generate("symmetric_office", seed=3))
-offices = [room for room in office.plan.rooms if room.kind == "office"]
-middle_a, middle_b = (np.mean(offices[i].outline, axis=0) for i in (0, 6))
-pose_a, pose_b = np.array([*middle_a, 2.0]), np.array([*middle_b, 2.0])
-
-(image_a, image_b), _ = camera.look(office, np.array([pose_a, pose_b]))
-view = PlanView(office, 420, 420)
-above = view.base.copy()
-for pose, colour in ((pose_a, colours.ROBOT), (pose_b, colours.LASER)):
-    draw_field_of_view(view, above, office, pose)
-    view.arrow(above, pose, colour)
-pictures = stacked(
-    [camera_picture(image, 420, smooth=True) for image in (image_a, image_b)],
-    ["room A (blue)", "room B (orange)"],
+told = ["from A", "from B: the photo on the fridge", "from C"]
+above, near_view = plan_with(home, PLACES.values(), PLACES), PlanView(home, 720, 1000)
+near = near_view.base.copy()
+for pose in PLACES.values():
+    near_view.arrow(near, np.array(pose), colours.ROBOT, 7)
+corners = [
+    closeup(near_view, near, np.array([pose[:2]]), 1.0, square=True) for pose in PLACES.values()
+]
+where = Prediction(
+    "00",
+    "where",
+    "Where was the photo taken?",
+    {"A": "at A, in the living room", "B": "at B, in the bathroom", "C": "at C, in the bedroom"},
+    right="B",
+    robot="it has no plan to look at. All it can do is to compare photos.",
+    tempting="A",
+    because="it has a blue wall, too. But at A the blue wall is on the left, and a plant on the right.",
+    before=side_by_side(
+        [above, stacked([photo(home, fridge), side_by_side(corners, list(PLACES))])],
+        ["the plan, and three cameras", "the photo on the fridge, and three corners of the plan"],
+    ),
+    after=side_by_side(
+        [above, stacked([photo(home, pose, 330) for pose in PLACES.values()], told, gap=6)]
+    ),
 )
-differ = (image_a != image_b).any(axis=-1)
-print(f"{np.linalg.norm(pose_a - pose_b):.1f} metres apart")
-print(f"{differ.sum()} of {differ.size:,} pixels differ")
-show(side_by_side([above, pictures], ["the office", "what the two robots see"]))
+display(where)
 
 # %% [markdown]
-# None. The two images are the same, pixel by pixel. **No method, however clever, can tell these two
-# places apart from one image.** This is called **perceptual aliasing**.
+# ## Give it a name
 #
-# It is a danger to every map made of images: the map may connect two places that are not the same.
-# A robot that trusts such a connection plans to drive through a wall. What helps is memory: the
-# robot entered the room from *somewhere*, and the corridor outside may be different. Several
-# notebooks return to this.
+# It's your robot, so call it what you like. The name stays with it in all notebooks.
+
+# %%
+robot = name_robot("Rover")
+print(f"Hello, {robot}!")
 
 # %% [markdown]
-# ## Why not just count the turns of the wheels?
+# ## It drives there, once
 #
-# A car can measure how far its wheels have turned. Add up these small motions, and you get an
-# estimate of where the car is. This is **odometry**.
+# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads are images that it kept, thin lines are ways from one to the next. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no position**.
 #
-# In the next cell 30 cars drive the **same** path through the apartment: there, back, and there
-# again. Each has its own measurement errors: 5 % in distance, 5 % in turning, and a small drift of
-# the heading.
-#
-# **Before you run the cell** (about 5 s): after forty metres, how large will a car's position error be?
+# It plans a path through its images, and predicts how probably that works. Then it sets off, past two people who are in none of its images. Watch what it does when it meets one. The cell takes about 20 s.
 
 # %% hidden=true
-# Let 30 cars drive the same path, each with its own odometry
-paths = GridPaths(home.clearance)  # shortest paths through the free space
-start, goal, _, _ = choose_places(home, paths, np.random.default_rng(1))
-stops = [goal, start[:2], goal]
+# It learns a map of the flat, and drives to the photo
+film, outcome = navigate_once(home, seed=2, places=4, goal=[3.23, -0.55, 0.2])
+print(f"a map of {outcome.vertices} vertices and {outcome.edges} edges")
+print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
+print(f"predicted probability of success: {outcome.probability:.0%}")
+print(f"{robot} {outcome.ending}, after {outcome.seconds:.0f} s")
+frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
+play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 s
 
+# %% [markdown]
+# That's the whole course in a minute. How does it do that?
+#
+# ## Through its eyes
+#
+# Your robot is in the living room. The floor that its camera sees is yellow: 120 degrees of it.
+
+# %% hidden=true
+# The robot on the plan, and three images
+living, turned = np.array([[-4.5, -11.6, 0.2], [-4.5, -11.6, 0.2 + np.pi / 2]])
+mirrored = photo(home, living, 360)[:, ::-1]
+eyes = Prediction(
+    "00",
+    "eyes",
+    "Which image does the robot see?",
+    {"A": "the upper one", "B": "the middle one", "C": "the lower one"},
+    right="C",
+    robot="it gets this image, and nothing else: neither the plan nor the arrow on it.",
+    tempting="A",
+    because="the colours are the same. But left and right are swapped: the green and blue thing on "
+    "the plan is to the robot's left.",
+    before=side_by_side(
+        [
+            plan_with(home, [living]),
+            stacked(
+                [mirrored, photo(home, turned, 360), photo(home, living, 360)],
+                ["A", "B", "C"],
+                gap=6,
+            ),
+        ]
+    ),
+)
+display(eyes)
+
+# %% [markdown]
+# The image says: *something green and blue is close on my left, and I can drive past it.* It doesn't say: *you're in the living room, at (-4.5, -11.6)*. To reach the place shown in an image, with such images alone, is [[image-goal navigation]].
+#
+# ## A field trip
+#
+# The office next door repeats one piece of corridor with its rooms, as real offices often do. Two robots stand in two of its rooms.
+
+# %% hidden=true
+# Two rooms of an office, and what a robot sees in each
+office = Scene(generate("symmetric_office", seed=3))
+rooms = [room for room in office.plan.rooms if room.kind == "office"]
+middles = [np.mean(rooms[i].outline, axis=0) for i in (0, 6)]
+pose_a, pose_b = (np.array([*middle, 2.0]) for middle in middles)
+(image_a, image_b), _ = camera.look(office, np.array([pose_a, pose_b]))
+differ = (image_a != image_b).any(axis=-1)
+plan = plan_with(office, [pose_a, pose_b], None, (400, 400), (colours.ROBOT, colours.LASER))
+plan = stacked([plan], ["room A: blue; room B: orange"])
+print(f"{np.linalg.norm(pose_a - pose_b):.1f} metres apart")
+twins = Prediction(
+    "00",
+    "twins",
+    f"Each robot takes an image of {differ.size:,} pixels. In how many will the two differ?",
+    {"A": "in none", "B": "in about a hundred", "C": "in nearly all"},
+    right="A",
+    robot=f"{differ.sum()} pixels differ. From one image, it can't tell which room it's in.",
+    tempting="C",
+    because="the robots are far apart. But a camera sees no coordinates, only a room, and the two "
+    "rooms are furnished alike.",
+    before=plan,
+    after=side_by_side(
+        [plan, stacked([photo(office, pose_a), photo(office, pose_b)], ["room A", "room B"])]
+    ),
+)
+display(twins)
+
+# %% [markdown]
+# **No method, however clever, can tell these two places apart from one image.** This is [[perceptual aliasing]]. A map made of images may join two places that only look alike, and a robot that trusts it plans to drive through a wall. What helps is memory: the robot came from *somewhere*, and the corridors differ.
+#
+# ## Why not count the turns of the wheels?
+#
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive one path: from the living room to the bathroom, back, and there again. Each measures with its own errors: 5 % of a distance, 5 % of a turn, and a heading that drifts a little.
+
+# %% hidden=true
+# 30 cars drive the same path, each with its own odometry (about 5 s)
+paths = GridPaths(home.clearance)  # shortest paths through the free space
+start, goal = corner, fridge[:2]
 leader, actions = Simulation(home, start), []
-for stop in stops:  # one car drives there, back and there again; its actions are recorded
+for stop in (goal, start[:2], goal):  # one car drives there, back and there again, recorded
     oracle = OraclePolicy(leader, paths, [stop])
     while np.linalg.norm(leader.poses[0, :2] - stop) > 0.3:
         actions.append(oracle.act(leader.observe(), np.array([0])))
@@ -174,64 +230,59 @@ for action in actions:  # 30 cars repeat the actions
     cars.step(np.tile(action, (30, 1)))
     driven.append(cars.poses[0, :2])
     estimated.append(cars.odometry)
-driven, estimated = np.array(driven), np.array(estimated)
-metres = arc_length(driven)
-print(f"{metres[-1]:.0f} m driven")
+driven, estimated = np.array(driven), compose(start, np.array(estimated))[..., :2]
+metres, errors = arc_length(driven), np.linalg.norm(estimated - driven[:, None], axis=-1)
 
-# %% hidden=true
-# Draw where the cars are, where their odometry puts them, and how the error grows
-view = PlanView(home, 320, 420)
-above = faded(view.base)
+view = PlanView(home, 320, 400)
+path = faded(view.base)
+view.polyline(path, driven, colours.TRACK, 3)
+view.points(path, driven[-1:], colours.ROBOT, 7)
+thought = faded(view.base)
 for i in range(30):
-    view.polyline(above, compose(start, estimated[:, i])[:, :2], colours.BELIEVED, 1)
-view.polyline(above, driven, colours.TRACK, 4)
-view.points(above, compose(start, estimated[-1])[:, :2], colours.BELIEVED, 4)
-view.points(above, driven[-1:], colours.ROBOT, 7)
-
+    view.polyline(thought, estimated[:, i], colours.BELIEVED, 1)
+view.polyline(thought, driven, colours.TRACK, 3)
+view.points(thought, estimated[-1], colours.BELIEVED, 4)
+view.points(thought, driven[-1:], colours.ROBOT, 7)
 figure, (axes,) = chart(5, 4.4)
-errors = np.linalg.norm(compose(start, estimated)[..., :2] - driven[:, None], axis=-1)
 axes.plot(metres, errors, color=colours.unit(colours.BELIEVED), linewidth=1, alpha=0.35)
 axes.plot(
     metres, np.median(errors, axis=1), color=colours.unit(colours.INK), label="median of 30 cars"
 )
 axes.set(xlabel="metres driven", ylabel="position error of the odometry, metres")
 axes.legend(frameon=False)
-show(
-    side_by_side([above, from_figure(figure)], ["driven: blue; odometry: black", "the error grows"])
+wheels = Prediction(
+    "00",
+    "wheels",
+    f"After {metres[-1]:.0f} m, how far off is the odometry of a typical car?",
+    {"A": "about 10 cm", "B": "about 1 m", "C": "about 3 m"},
+    right="B",
+    robot=f"half of the cars are less than {np.median(errors[-1]):.2f} m off, and the worst is "
+    f"{errors[-1].max():.1f} m off.",
+    tempting="C",
+    because=f"5 % of {metres[-1]:.0f} m is {0.05 * metres[-1]:.1f} m. But on the way back, some of "
+    "the errors push the other way.",
+    before=stacked([path], ["There, back, and there again"]),
+    after=side_by_side(
+        [thought, from_figure(figure)], ["blue: driven; black: thought", "the error grows"]
+    ),
 )
+display(wheels)
 
 # %% [markdown]
-# The blue dot is where all 30 cars are. The black dots are where their odometry puts them. Some of
-# the estimated tracks pass through walls.
+# Some of the black tracks pass through walls. The error shrinks for a while when the car has turned back, but overall it grows, and nothing that wheels measure can correct it. **Odometry is good for a few metres, not for a building.**
 #
-# Did you see the error shrink for a while after each turn, at about 14 and 28 metres? An error in
-# the heading pushes the estimate to one side, and on the way back to the other, so some of it
-# cancels. But overall the error grows, and nothing that the wheels measure can correct it.
-#
-# **Odometry is good for a few metres, and of little use for a whole building.** A robot that has to
-# remember a building needs something else.
-
-# %% [markdown]
 # ## A map without coordinates
 #
-# The idea of this course is a map that holds no coordinates at all. It is a *graph*:
+# So the map in the film holds no coordinates. It's a [[topological map]]:
 #
-# - a **vertex** is a place, stored as the images that were taken there;
-# - an **edge** says: *from here the robot can drive to there by its camera alone*. It carries a
-#   probability, since the robot can fail.
+# - a **[[vertex]]** is a place, stored as the images taken there;
+# - an **[[edge]]** says: *from here the robot can drive to there by its camera*, and how probably.
 #
-# To plan is to find the path through this graph that is most likely to succeed. To follow the plan
-# is to drive from image to image. Such a map is called a **topological map**.
-
-# %% [markdown]
-# ## Drive it yourself
+# To plan is to find the path that most probably succeeds; to follow it is to drive from image to image.
 #
-# Now you have the camera. Each press of a button drives for half a second; the world waits in
-# between. The car steers like a real one: it **cannot turn in place**. Its tightest circle is 1.2 m
-# in diameter.
+# ## You drive
 #
-# **Try this:** leave the room through its door, with the buttons, or with the arrow keys while the
-# pointer is on the picture. Then press *start again* and *hide the map*, and try it once more.
+# Now you have the camera. Each press of a button drives for half a second; the arrow keys work, too, while the pointer is on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
 
 # %% hidden=true
 # Drive the car
@@ -239,49 +290,17 @@ car = TeleopController(home, start)
 teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
 # %% [markdown]
-# Did you get lost without the map? That is the robot's problem. Did you notice what you used?
-# Colours, door frames, and *what you saw a moment ago*.
-
-# %% [markdown]
-# ## Choose a world
+# Did you get lost? So does your robot. And what did you use? Colours, door frames, and *what you saw a moment ago*.
 #
-# Every world in this course is generated at random, from a *family* and a *seed*. The same two
-# always give the same world. That makes results reproducible: a robot can be trained on some seeds
-# and tested on others that it has never seen.
+# ## A policy that cheats
 #
-# **Before you move anything:** which family will be hardest for a robot that navigates by
-# camera? Look for places that are alike.
-
+# A **policy** decides what a robot does next. The one in this film knows the floor plan and its position; people are pink. Such a policy is an **[[oracle]]**: it shows what's possible, and yours will be compared with it.
 
 # %% hidden=true
-# Choose a world
-def draw_world(family, seed):
-    """A map of a world, and its size."""
-    plan = generate(family, seed)
-    text = f"{plan.area:.0f} square metres, {len(plan.rooms)} rooms, {len(plan.doors)} doors"
-    return PlanView(Scene(plan), 480, 480).base, text
-
-
-sliders(
-    draw_world, {"family": "family of worlds", "seed": "seed"}, family=FAMILIES, seed=(0, 30, 1, 5)
-)
-
-# %% [markdown]
-# ## Watch a policy that cheats
-#
-# Before we build a robot that navigates by camera, we need something to compare it with. A
-# **policy** decides what a robot does next. The policy in the film **knows the map and the car's
-# position**. Such a policy is called an **oracle**: it shows what is possible. It avoids walls and
-# people with a laser scanner.
-#
-# **Before you run the cell** (about 5 s): two people (pink) walk to and fro beside the car's path.
-# What will the car do when it meets one: stop, drive around, or back up?
-
-# %% hidden=true
-# Film a policy that knows the map
+# Film a policy that knows the map (about 5 s)
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 320, 420)
+oracle = OraclePolicy(simulation, paths, [goal])
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
     simulation.step(oracle.act(simulation.observe(), np.array([0])))
@@ -304,14 +323,26 @@ print("the film runs four times as fast")
 play(frames, 4, times)
 
 # %% [markdown]
-# ## Bring your own map
+# ## Other worlds
 #
-# Perhaps you have a real robot that has mapped your laboratory. The Robot Operating System (ROS)
-# saves such a map as two files: an image in which dark means *wall*, and a small text file with the
-# size of a pixel. The course can read them.
-#
-# We have no laboratory here, so the cell makes both files itself: three rooms and a corridor, 5 cm
-# per pixel. Then it imports them as it would import yours.
+# Every world is drawn at random from a *family* and a *seed*. The same two always give the same world, so a robot can be trained on some seeds and tested on others. In which family would you hate to navigate by camera?
+
+
+# %% hidden=true
+# Choose a world
+def draw_world(family, seed):
+    """A map of a world, and its size."""
+    plan = generate(family, seed)
+    text = f"{plan.area:.0f} square metres, {len(plan.rooms)} rooms, {len(plan.doors)} doors"
+    return PlanView(Scene(plan), 480, 480).base, text
+
+
+sliders(
+    draw_world, {"family": "family of worlds", "seed": "seed"}, family=FAMILIES, seed=(0, 30, 1, 5)
+)
+
+# %% [markdown]
+# Has a real robot mapped your laboratory? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, with a small text file. The cell makes such a map, of three rooms and a corridor, and imports it as it would import yours. Its walls are painted at random.
 
 # %% hidden=true
 # Make a ROS map, import it, and look into it
@@ -336,70 +367,41 @@ with tempfile.TemporaryDirectory() as folder:
     )
     lab = Scene(import_ros_map(Path(folder) / "lab.yaml"))
 
-above, seen = map_with_camera(lab, np.array([2.0, 1.6, 0.25]), width=360, height=240)
+pose = np.array([2.0, 1.6, 0.25])
 show(
     side_by_side(
-        [cv2.resize(cv2.cvtColor(drawing, cv2.COLOR_GRAY2RGB), (360, 240)), above, seen],
+        [
+            cv2.resize(cv2.cvtColor(drawing, cv2.COLOR_GRAY2RGB), (300, 200)),
+            plan_with(lab, [pose], size=(300, 200)),
+            photo(lab, pose, 300),
+        ],
         ["the image that ROS saved", "as a world", "what a camera sees in it"],
     )
 )
 
 # %% [markdown]
-# A ROS map has no colours, so the walls are painted at random. Everything that follows works in
-# such a world too. From the command line: `python3 start.py demo --map my_map.yaml`.
-
-# %% [markdown]
-# ## What you will build
+# `python3 start.py demo --map my_map.yaml` drives in your map, and `python3 start.py demo --seed 7` in another flat.
 #
-# | notebook | you write | so that |
+# ## What you'll build
+#
+# | | what your robot can't do yet | what you write |
 # |---|---|---|
-# | 00 start_here | nothing | you know what the course is about |
-# | 01 world_and_car | frames, the car's motion, a ray, a column of the camera image | you know how the robot's world is simulated |
-# | 02 local_control | a controller that drives to the place shown in an image | the robot reaches targets a few metres away |
-# | 03 reachability | a network that predicts the probability of reaching a target | the robot knows what it can reach |
-# | 04 sparsification | the selection of the few images worth keeping | the memory stays small |
-# | 05 map_building | the graph: vertices, edges, pruning | many trajectories become one map |
-# | 06 probabilistic_planning | the most likely path, and when to refuse | the robot navigates through a whole building |
-# | 07 aliasing | a belief over the places of the map | the robot copes with rooms that look alike |
-# | 08 lifelong_maps | a map by sampling, and beliefs about its edges | the map mends itself while the robot uses it |
-# | 09 ghost_nodes | a graph with nodes where nobody has been | the robot finds a place in a building it has never seen |
+# | 01 world_and_car | see and move | frames, the car's motion, a ray, a column of the image |
+# | 02 local_control | reach a target in sight | a controller that drives to an image |
+# | 03 reachability | say "I won't make that" | a network that predicts whether it arrives |
+# | 04 sparsification | follow a recorded way | the choice of the images worth keeping |
+# | 05 map_building | go where nobody drove it | the graph of many drives |
+# | 06 probabilistic_planning | find home | the most probable path, and when to refuse |
+# | 07 aliasing | tell twin rooms apart | a belief over the places of the map |
+# | 08 lifelong_maps | cope with a closed door | a map that mends itself |
+# | 09 ghost_nodes | search a flat that's new to it | nodes where nobody has been |
 #
-# The cells that follow an exercise use what you wrote. Each piece also has a reference
-# implementation, so you can go on wherever you get stuck.
-
-# %% [markdown]
-# ## Watch what you will build
+# Cells below an exercise use what you wrote. Wherever you're stuck, the library's version takes over.
 #
-# This is the whole system, with trained networks that come with the course. A car was driven from place to place in this apartment, and a topological map was
-# built from its camera images: the coloured arrowheads are the images that were kept, the thin lines are the edges. Now the car is given **one image**, the goal,
-# and has to navigate to the place shown in it. It has its camera and its laser, and **neither floor plan nor position**.
+# **After this notebook you can**
 #
-# Before it starts, it plans a path through the map and predicts the probability that the path succeeds. Then it drives from image to image, past two people who
-# were not there when the map was built.
+# - say what a camera tells a robot about its position, and what it doesn't;
+# - say why one image may not be enough, and why odometry helps for metres only;
+# - say what a topological map stores.
 #
-# **Before you run the cell** (about 15 s: it records trajectories, learns the map, then drives): what will it do when it meets a person, and its camera sees something that is in none of its images?
-
-# %% hidden=true
-# Learn a map of the apartment and navigate by sight
-film, outcome = navigate_once(home, seed=2, places=4)
-print(f"a map of {outcome.vertices} vertices and {outcome.edges} edges")
-print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
-print(f"predicted probability of success: {outcome.probability:.0%}")
-print(f"reached: {outcome.reached}, after {outcome.seconds:.0f} s")
-frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
-play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 s
-
-# %% [markdown]
-# To run another one from the command line: `python3 start.py demo --seed 7`. It writes a film, a film strip and the numbers.
-
-# %% [markdown]
-# ## In short
-#
-# - A camera shows what is around the robot, but not where that is.
-# - Two places can look exactly alike (perceptual aliasing). One image is then not enough.
-# - Odometry is good for metres, not for buildings.
-# - A topological map stores images, and the probability of driving from one to the next.
-#
-# **What to read next:** open [notebook 01](01_world_and_car.ipynb). The main idea of the course comes from X.
-# Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological
-# Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; its first two pages are a good companion.
+# And your robot? The magic's off. It stands in its corner with a camera and four wheels, and not a line of code of yours. In [notebook 01](01_world_and_car.ipynb) you find out what it sees and how it moves. The main idea of the course comes from X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.

@@ -39,7 +39,7 @@ def test_a_click_shows_the_choice_the_robot_and_why_a_wrong_answer_tempts(folder
     trip.panel.buttons["A"].click()
     assert trip.text.split("\n") == [
         "You: A, at the door.",
-        "The robot: it changes in the corridor.",
+        "Rover: it changes in the corridor.",
         "Right is B: in the corridor.",
         "A tempts: the door is nearest on the plan, but behind the robot.",
     ]

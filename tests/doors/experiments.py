@@ -163,7 +163,7 @@ RUN = "runs whole tasks, whose parts check what they are given"
 WITHOUT = dict.fromkeys(
     (
         *("Building", "CalledRobot", "Guide", "Office", "Recorder", "Trials", "watch"),
-        *("choose_places", "draw_ambiguous_trials", "draw_return", "explored"),
+        *("draw_ambiguous_trials", "draw_return", "explored"),
         *("farthest", "learned_from", "make_office", "navigate_once"),
         *("deep_experiences", "image_poses", "run_fleet", "run_queries"),
         *("MapScore", "TamperedMap", "score_map"),

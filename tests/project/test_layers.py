@@ -63,7 +63,8 @@ INSIDE = {
     "checks": {
         "framework": set(),
         "progress": {"framework"},
-        "predictions": {"framework"},
+        "robot": {"framework"},
+        "predictions": {"framework", "robot"},
         "league": {"framework"},
         "marking": {"framework"},
         "engine": {"framework"},

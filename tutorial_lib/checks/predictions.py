@@ -1,8 +1,9 @@
 """Predictions that a student commits to, and what is shown then.
 
 A prediction stands below a picture that answers it. Who clicks an option, or calls `commit`, sees
-their own choice, what the robot does, what is right, and why a wrong answer tempts. The first
-choice is kept in `my_answers`, shown by ``progress``, and never marked.
+their own choice, what the robot does, what is right, and why a wrong answer tempts. The robot is
+called by its name. The first choice is kept in `my_answers`, shown by ``progress``, and never
+marked.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework import record
+from tutorial_lib.checks.robot import robot_name
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import instance, instances, one_of
 from tutorial_lib.viz.canvas.given import Picture, picture_of
@@ -132,7 +134,7 @@ class Prediction:
 
     def _answer(self) -> list[str]:
         return [
-            f"The robot: {self.robot}",
+            f"{robot_name()}: {self.robot}",
             f"Right is {self.right}: {self.options[self.right]}.",
             f"{self.tempting} tempts: {self.because}",
         ]

@@ -9,6 +9,7 @@ from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.demos import navigate_once
 from tutorial_lib.experiments.demos import task as tasks
 from tutorial_lib.experiments.demos.ends import parse_end
 from tutorial_lib.experiments.demos.routes import LEARNED
@@ -175,3 +176,12 @@ def test_the_first_trip_whose_goal_is_recognised_well_is_taken_else_the_best(
     assert len(asked) == 2
     assert give(1, 0, 3, 2) is asked[2]
     assert len(asked) > 4
+
+
+@pytest.mark.parametrize(
+    ("goal", "words"),
+    [([1.0, 2.0], r"goal: .*\(3,\)"), ([1e3, 0.0, 0.0], "outside all rooms")],
+)
+def test_a_goal_that_cannot_be_had_is_refused(flat, goal, words):
+    with pytest.raises(InputError, match=words):
+        navigate_once(flat, 0, 4, goal)

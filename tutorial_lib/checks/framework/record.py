@@ -1,6 +1,7 @@
 """What a student committed to and scored, kept beside the answers in ``my_answers/record.json``.
 
-By notebook it holds predictions by name, and the rows of a league table. Nothing of it is marked.
+By notebook it holds predictions by name, and the rows of a league table; and the robot's name,
+which notebook 00 asks for. Nothing of it is marked.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from tutorial_lib.files import write_text
 from tutorial_lib.reading.documents import read_json
 
 FILE = "record.json"
+_FIRST = "00"
 _ADVICE = "delete it; your answers are in files of their own"
 
 
@@ -41,6 +43,15 @@ def scores(notebook: str) -> list[list[Any]]:
     return _of(_load(), notebook, "scores", [])
 
 
+def robot() -> str:
+    """The name that the robot was given; empty before.
+
+    Raises:
+        InputError: when the file is damaged.
+    """
+    return _of(_load(), _FIRST, "robot", "")
+
+
 def keep_prediction(notebook: str, name: str, choice: str, right: str) -> None:
     """Keep the first choice of a prediction; later ones change nothing.
 
@@ -63,6 +74,15 @@ def keep_score(notebook: str, row: list[Any]) -> None:
     rows = _of(known, notebook, "scores", [])
     if row not in rows:
         _save(known, notebook, "scores", [*rows, row])
+
+
+def keep_robot(name: str) -> None:
+    """Keep the robot's name, in place of an earlier one.
+
+    Raises:
+        InputError: when the file is damaged or cannot be written.
+    """
+    _save(_load(), _FIRST, "robot", name)
 
 
 def _path() -> Path | None:

@@ -1,12 +1,11 @@
 """Navigation on film, and maps at which one tampers."""
 
 from tutorial_lib.experiments.demos.navigation_demo import navigate_once
-from tutorial_lib.experiments.demos.places import choose_places, place_people
+from tutorial_lib.experiments.demos.places import place_people
 from tutorial_lib.experiments.demos.tampering import TamperedMap
 
 __all__ = [
     "TamperedMap",
-    "choose_places",
     "navigate_once",
     "place_people",
 ]

@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from numpy.typing import ArrayLike
+
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
@@ -40,6 +42,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation, Plan
 from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.validation import floats
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
 from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
@@ -101,14 +104,29 @@ def run_demo(
     return outcome
 
 
-def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[Frames, Outcome]:
+def navigate_once(
+    scene: Scene, seed: int, places: int = PLACES, goal: ArrayLike | None = None
+) -> tuple[Frames, Outcome]:
     """Record trajectories, learn a map, and navigate to an image: the film, and how it went.
 
     The car gets its camera and laser, what was observed on the trajectories, and the goal image; it
     gets neither the floor plan nor its pose.
+
+    Args:
+        scene: the world.
+        seed: of everything that is random.
+        places: between which trajectories are recorded.
+        goal: (3,) pose to arrive in; the goal image is taken where a car arrives. It is chosen
+            unless given.
+
+    Raises:
+        InputError: when the scene is too small, or the goal cannot be had.
     """
-    agent = agents.meng()
-    task = choose_task(scene, seed, places, agent)
+    agent, end = agents.meng(), None
+    if goal is not None:
+        x, y, heading = floats("goal", goal, (3,)).tolist()
+        end = End("goal", pose=(x, y, heading))
+    task = choose_task(scene, seed, places, agent, goal=end)
     learn_map(agent, task.building)
     return drive_by_sight(task, agent, seed)
 
