@@ -159,7 +159,7 @@ class Mapped:
         return camera_picture(people_camera.look(self.building.scene, pose[None])[0][0], width)
 
 
-def mapped(building, drives, view):
+def map_of(building, drives, view):
     """The library's map of some drives through a building."""
     agent = agents.meng()
     for experience in tqdm(list(experiences(building, drives)), desc="drives", leave=False):
@@ -169,7 +169,7 @@ def mapped(building, drives, view):
 
 PLACES = "ABCD"
 flat = explored("home", scene_of(world_name("apartment", 2)), np.random.default_rng(0), 4)
-home = mapped(flat, np.arange(len(flat.pairs)), PlanView(flat.scene, 290, 390))
+home = map_of(flat, np.arange(len(flat.pairs)), PlanView(flat.scene, 290, 390))
 home_trials = draw_trials(flat, 12, np.random.default_rng(1))
 home_goals, home_robots, home_ends = home.ends_of(home_trials)
 fridge = home_trials.pairs.tolist().index([PLACES.index("D"), PLACES.index("B")])
@@ -809,7 +809,7 @@ display(carried)
 SHOWN = 12
 loop_building = make_building(10_007, 0, count=5)
 shown = np.sort(np.random.default_rng(0).permutation(len(loop_building.pairs))[:SHOWN])
-loop = mapped(loop_building, shown, PlanView(loop_building.scene, 390, 390))
+loop = map_of(loop_building, shown, PlanView(loop_building.scene, 390, 390))
 loop_trials = draw_trials(loop_building, 20, np.random.default_rng(1))
 loop_goals, loop_robots, loop_ends = loop.ends_of(loop_trials)
 loop_decisions = [decide(loop.graph, *ends, rules) for ends in loop_ends]
