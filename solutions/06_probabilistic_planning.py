@@ -51,10 +51,10 @@ from tutorial_lib.experiments import (
     load_result,
     make_building,
     part_of,
+    trials_from_anywhere,
     vertex_poses,
 )
 from tutorial_lib.experiments import navigate as run_agent
-from tutorial_lib.experiments.protocols.navigation_tasks import trials_from_anywhere
 from tutorial_lib.interfaces import Goals, Plan
 from tutorial_lib.learning import use_threads
 from tutorial_lib.topology import (
@@ -940,14 +940,20 @@ axis.set_yscale("logit")
 axis.set_yticks([0.7, 0.9, 0.99], ["0.7", "0.9", "0.99"])
 axis.minorticks_off()
 axis.set(xlabel="probability of the plan", ylabel="RE of its weaker end")
-figure.legend(loc="outside upper center", ncols=2, fontsize=11, frameon=False)
+axis.set_title("A plan that promises 0.9 may well fail")
+axis.legend(fontsize=10, loc="lower right")
 show(from_figure(figure))
 
 # %% hidden=true
 # Four that did not arrive
-failed = [i for i in STUDY if not outcome.success[i]]
+metres = {  # of the first hop
+    i: loop.metres(anywhere.starts[[i]], loop.poses[[first_plans[i].vertices[0]]])[0]
+    for i in STUDY
+    if first_plans[i].vertices and not outcome.success[i]
+}
+failed = sorted(metres, key=metres.get)
 panels, titles = [], []
-for i in failed[:4]:
+for i in dict.fromkeys([*failed[-2:], *failed[:2]]):
     plan = first_plans[i]
     driven = outcome.poses[: round(outcome.seconds[i] / STEP) + 1, i]
     ends = anywhere.starts[i], anywhere.goal_poses[i]
@@ -955,9 +961,8 @@ for i in failed[:4]:
     loop.view.polyline(picture, driven[:, :2], colours.ROBOT, 3)
     loop.view.points(picture, driven[-1, :2], colours.LASER, 6)
     panels.append(side_by_side([picture], height=280))
-    metres = loop.metres(ends[0][None], loop.poses[[plan.vertices[0]]])[0]
     titles.append(
-        f"P {plan.probability:.2f}, first hop {metres:.0f} m, RE {plan.probabilities[0]:.3f}"
+        f"P {plan.probability:.2f}, first hop {metres[i]:.0f} m, RE {plan.probabilities[0]:.3f}"
     )
 rows = [side_by_side(panels[n : n + 2], titles[n : n + 2]) for n in range(0, len(panels), 2)]
 show(stacked(rows, gap=8))
@@ -1443,7 +1448,7 @@ class YourRobot:
 
 
 # %% hidden=true
-# Your map, and your robot's drive (about 15 s)
+# Your map, and your robot's drive (about 6 s)
 system = agents.meng()  # of which only the networks drive
 net, lens, k = system.reachability, system.predictor.view, system.predictor.k
 seen = tqdm(list(experiences(flat)), "drives", leave=False)

@@ -69,6 +69,13 @@ DOORS = {
         rng=a(rng()),
         among=integers([0, 1], ("M",), least=0, most=1, empty=False, optional=True),
     ),
+    "trials_from_anywhere": lambda: call(
+        experiments.trials_from_anywhere,
+        anything,
+        building=a(building()),
+        count=whole(1, least=1, most=10_000, refuses="huge"),
+        rng=a(rng()),
+    ),
     "edge_lengths": lambda: call(
         experiments.edge_lengths, building=a(building()), topomap=a(topomap())
     ),

@@ -32,6 +32,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     facing,
     make_building,
     spread_places,
+    trials_from_anywhere,
 )
 
 __all__ = [
@@ -61,5 +62,6 @@ __all__ = [
     "run_queries",
     "score_map",
     "spread_places",
+    "trials_from_anywhere",
     "vertex_poses",
 ]

@@ -202,6 +202,9 @@ def trials_from_anywhere(building: Building, count: int, rng: np.random.Generato
 
     Many starts look far aside. The first place of their pair is that of the trajectory.
     """
+    instance("building", building, Building)
+    count = whole("count", count, least=1, most=_MANY)
+    instance("rng", rng, np.random.Generator)
     size = round(_SPARE_ANYWHERE * count)
     frames = rng.integers(len(building.recorded.poses), size=size)
     starts, found = perturbed(
