@@ -699,7 +699,7 @@ for number, k in enumerate(kept, 1):
     local = beams[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     view.points(picture, to_world(track[k], local[beams < 4.0]), colours.LASER, 1.5)
     view.robot(picture, track[k], 1.4 * car.footprint)
-    aside = 17 if abs(np.sin(track[k][2])) > 0.6 else -17  # pixels, where there is room
+    aside = 17 if abs(np.sin(track[k][2])) > 0.7 else -17  # pixels, where there is room
     write_beside(view, picture, str(number), track[k], aside)
     frames.append(camera_picture(recorded[k].image[0], 220))
     names.append(f"image {number}")
