@@ -1,21 +1,12 @@
 # %% [markdown]
 # # 01 · The world and the car
 #
-# **90 minutes.** You need: Python with numpy, sines and cosines. Notebook 00 is a good start, but not required.
+# **Facing the wrong way.** Yesterday your robot drove to the photo, by magic. This morning the magic's off, and somebody has left it in the hallway, with the photo behind it. With its wheels all the way to the left, its rear axle drives a half circle of 1.24 m. *How wide must the hallway be?*
 #
-# After this notebook you can
-#
-# - say where an object is in the robot's frame, and where the robot is after two motions;
-# - predict what a car that steers with its front wheels can and cannot do;
-# - explain why a robot that relies on wheel odometry gets lost;
-# - turn a floor plan into a camera image, column by column.
-#
-# There are five exercises. Each has hints behind folds. When your function passes its check, **the cells below use it**; until then they use the
-# library's, so you can read on at any time. Arrays are numpy arrays throughout: where a function returns `(N, 2)`, return an array, not a list.
-#
-# Metres, radians, seconds. x points right, y up, headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
+# Today you write how your robot moves, how it counts its own motion, and how it sees. At the end, your code paints what its camera took in the living room.
 
-# %%
+# %% hidden=true
+# A car beside a wall
 import numpy as np
 from IPython.display import display
 
@@ -26,6 +17,7 @@ from tutorial_lib.checks.nb01 import (
     check_to_local,
     check_wall_share,
 )
+from tutorial_lib.checks.predictions import Prediction
 from tutorial_lib.driving import GridPaths, OraclePolicy
 from tutorial_lib.geometry import arc_length, relative, to_world
 from tutorial_lib.viz import (
@@ -33,14 +25,13 @@ from tutorial_lib.viz import (
     camera_picture,
     chart,
     colours,
-    draw_field_of_view,
     from_figure,
-    label,
     show,
     side_by_side,
     sliders,
     stacked,
     table,
+    write_beside,
 )
 from tutorial_lib.world import (
     EYE,
@@ -55,17 +46,73 @@ from tutorial_lib.world import (
     generate,
 )
 
-scene = Scene(generate("apartment", seed=4))
-paths = GridPaths(scene.clearance)
-view = PlanView(scene, 640, 480)
+home = Scene(generate("apartment", seed=2))
+paths = GridPaths(home.clearance)
+view = PlanView(home, 320, 400)
+car = BicycleCar()
+hallway, living = (np.array(room.outline) for room in home.plan.rooms[:2])
+WIDE = np.ptp(hallway[:, 0])  # metres from wall to wall
+SIDE = 0.13  # metres from the lower wall to the middle of the car
+radius = car.wheelbase / np.tan(car.max_steering)
+turns = np.linspace(0, np.pi, 60)
+half_circle = np.stack([radius * np.sin(turns), radius - radius * np.cos(turns), turns], axis=1)
+swung = to_world(half_circle, car.footprint[1])  # the track of the outer front corner
+needed = SIDE + swung[:, 1].max()
+
+
+def draw_turn(told):
+    """A half circle of the rear axle; with the outer front corner and the other wall if `told`."""
+    figure, (axis,) = chart(7.0, 4.4)
+    axis.axhline(-SIDE, color="0.3", linewidth=1.5, label="wall")
+    axis.plot(*half_circle[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle")
+    for pose in half_circle[:: len(half_circle) - 1]:
+        axis.fill(*to_world(pose, car.footprint).T, color=colours.unit(colours.ROBOT))
+    spot = {"arrowprops": {"arrowstyle": "<->"}, "va": "center"}
+    axis.annotate("", (-0.6, 0.0), (-0.6, 2 * radius), **spot)
+    axis.text(-0.65, radius, f"{2 * radius:.2f} m", ha="right", va="center")
+    if told:
+        axis.plot(*swung.T, ":", color=colours.unit(colours.PATH), label="outer front corner")
+        axis.axhline(WIDE - SIDE, color="0.3", linewidth=1.5)
+        axis.set_title(f"The corner needs {needed:.2f} m, the hallway has {WIDE:.2f} m")
+    axis.set(xlim=(-1.8, 2.2), ylim=(-0.25, 1.6), aspect="equal", xlabel="x / m", ylabel="y / m")
+    figure.legend(loc="outside lower center", ncols=3, fontsize=10)
+    return from_figure(figure)
+
+
+turn = Prediction(
+    "01",
+    "turn",
+    "How wide must a hallway be, for the car to turn round in one go?",
+    {"A": "about 1.25 m", "B": "about 1.6 m", "C": "about 2 m"},
+    right="B",
+    robot=f"it needs {needed:.2f} m, and your hallway has {WIDE:.2f} m. It stops, backs up, and "
+    "goes again.",
+    tempting="A",
+    because="that's the circle. But the circle is the rear axle's, and the front corner on the "
+    "outside swings wider.",
+    before=draw_turn(False),
+    after=draw_turn(True),
+)
+display(turn)
 
 # %% [markdown]
+# **90 minutes.** You need Python with numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. Folded cells only draw. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
+#
+# **Three old questions first.**
+#
+# <details><summary>Notebook 00: two images are equal, pixel by pixel. Were they taken at one place?</summary>
+# Perhaps not: twin rooms give the same image. But a step sideways, and the images differ.
+# </details>
+# <details><summary>Notebook 00: why does the odometry's error shrink for a while after the car turns back?</summary>
+# An error of the heading pushes the estimate to one side on the way there, and to the other on the way back.
+# </details>
+# <details><summary>Notebook 00: what does an edge of a topological map say?</summary>
+# From here the robot can drive to there by its camera, and how probably. It says nothing of metres.
+# </details>
+#
 # ## 1 · Where is it in the robot's frame?
 #
-# A robot does not need to know that the door is at (7.1, 2.4). It needs to know that the door is *two metres ahead and a little to the left*. Those are the door's
-# coordinates in the robot's own [[frame]]: x ahead, y to the left.
-#
-# The transform has two steps. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
+# Your robot doesn't need to know that the door is at (7.1, 2.4). It needs *two metres ahead and a little to the left*: the door in the robot's own [[frame]], x ahead, y to the left. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
 #
 # $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
 #
@@ -96,37 +143,52 @@ def to_local(pose, points):
 # %%
 to_local = check_to_local.use(to_local)
 
-# %% [markdown]
-# **Predict**, then run the cell: on the left are the robot and five points in the world. Where will the same five points lie in the robot's frame, where the
-# robot stands at the origin and faces right?
-
 # %% hidden=true
 # Five points in the world, and in the robot's frame
-robot = np.array([1.0, 1.0, 2.2])
+pose = np.array([1.0, 1.0, 2.2])
 places = np.array([[0.0, 2.4], [2.0, 3.0], [3.0, 1.0], [-1.0, 0.0], [1.0, -0.5]])
-figure, axes = chart(9.0, 4.0, 2)
-for axis, pose, points, name in (
-    (axes[0], robot, places, "in the world"),
-    (axes[1], np.zeros(3), to_local(robot, places), "in the robot's frame"),
-):
-    tip = to_world(pose, [0.8, 0.0])
-    axis.annotate("", tip, pose[:2], arrowprops={"width": 3, "color": colours.unit(colours.ROBOT)})
-    axis.scatter(*points.T, s=70, color=colours.unit(colours.GOAL), zorder=3)
-    for i, point in enumerate(points):
-        axis.annotate(f" {i}", point, fontsize=13)
-    axis.set(title=name, xlim=(-4, 4), ylim=(-3.5, 4), aspect="equal", xlabel="x / m")
-axes[0].set_ylabel("y / m")
-show(from_figure(figure))
+local = to_local(pose, places)
+
+
+def draw_points(*panels):
+    """Panels, each of a robot's pose, five points and a title."""
+    figure, axes = chart(4.5 * len(panels), 4.0, len(panels))
+    for axis, (robot, points, name) in zip(axes, panels, strict=True):
+        tip = to_world(robot, [0.8, 0.0])
+        arrow = {"width": 3, "color": colours.unit(colours.ROBOT)}
+        axis.annotate("", tip, robot[:2], arrowprops=arrow)
+        axis.scatter(*points.T, s=70, color=colours.unit(colours.GOAL), zorder=3)
+        for i, point in enumerate(points):
+            axis.annotate(f" {i}", point, fontsize=13)
+        axis.set(title=name, xlim=(-4, 4), ylim=(-3.5, 4), aspect="equal", xlabel="x / m")
+    axes[0].set_ylabel("y / m")
+    return from_figure(figure)
+
+
+world = pose, places, "in the world"
+frame = Prediction(
+    "01",
+    "frame",
+    "In the robot's frame, which point has a negative x and a positive y?",
+    {"A": "point 2", "B": "point 3", "C": "point 4"},
+    right="C",
+    robot=f"it has point 4 at ({local[4, 0]:.1f}, {local[4, 1]:.1f}): behind it, on its left.",
+    tempting="B",
+    because="on the page it lies to the left, and lower. But the robot looks up to the left: point "
+    f"3 is at ({local[3, 0]:.1f}, {local[3, 1]:.1f}), nearly straight to its left.",
+    before=draw_points(world),
+    after=draw_points(world, (np.zeros(3), local, "in the robot's frame")),
+)
+display(frame)
 
 # %% [markdown]
 # ## 2 · One motion after another
 #
-# The robot drives from A to B, and then makes a motion that is given *in the frame of B*. Where is it now? The second translation has to be rotated by the first
-# heading before it can be added; the headings simply add up. This is called **composition**, $A \oplus B$. [[Odometry]] is a long chain of compositions:
+# Your robot drives from A to B, and then makes a motion that's given *in the frame of B*. Rotate the second translation by the first heading, and add it; the headings simply add up. This is **composition**, $A \oplus B$, and [[odometry]] is a long chain of it:
 #
 # $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
 #
-# The heading is kept between $-\pi$ and $\pi$ (*wrapped*), so that two headings can be compared.
+# The heading is kept between $-\pi$ and $\pi$ (*wrapped*).
 #
 # ### Exercise 2 · `compose` (easy, 10 minutes)
 #
@@ -155,8 +217,7 @@ def compose(first, second):
 compose = check_compose.use(compose)
 
 # %% [markdown]
-# **Predict:** the robot repeats one motion, *one metre ahead, then a turn of 45 degrees to the left*. After how many motions is it back? And what happens
-# when it measures each turn one degree too large?
+# Your robot repeats one motion: *one metre ahead, then a turn of 45 degrees to the left*. But its odometry measures each turn one degree too large.
 
 
 # %%
@@ -169,40 +230,52 @@ def repeated_motion(degrees):
 
 
 # %% hidden=true
-# Three laps with exact turns, and with turns measured 1 degree too large
-figure, axes = chart(9.0, 4.0, 2)
-for axis, error, name in (
-    (axes[0], 0.0, "exact turns"),
-    (axes[1], 1.0, "each turn measured 1 degree too large"),
-):
-    for turn, colour, style, meaning in (
-        (45.0, colours.TRACK, "o-", "where it is"),
-        (45.0 + error, colours.BELIEVED, ".:", "where its odometry puts it"),
-    ):
-        track = repeated_motion(turn)
-        axis.plot(*track[:, :2].T, style, color=colours.unit(colour), label=meaning)
-    for lap in (1, 2, 3):
-        spot = {"textcoords": "offset points", "xytext": (-4, -18), "fontsize": 13}
-        axis.annotate(str(lap) if error else "", track[8 * lap][:2], **spot)
-    axis.set(title=name, ylim=(-0.5, 2.7), aspect="equal", xlabel="x / m", ylabel="y / m")
-figure.legend(
-    *axes[1].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=10
+# Three laps, and what odometry makes of them
+true, thought = repeated_motion(45.0), repeated_motion(46.0)
+off = np.linalg.norm(true[:, :2] - thought[:, :2], axis=1)
+
+
+def draw_laps(told):
+    """Three laps, and the odometry's if `told`."""
+    figure, (axis,) = chart(5.0, 4.4)
+    axis.plot(*true[:, :2].T, "o-", color=colours.unit(colours.TRACK), label="where it is")
+    if told:
+        tone = colours.unit(colours.BELIEVED)
+        axis.plot(*thought[:, :2].T, ".:", color=tone, label="where its odometry puts it")
+        for lap in (1, 2, 3):
+            spot = {"textcoords": "offset points", "xytext": (-4, -18), "fontsize": 13}
+            axis.annotate(str(lap), thought[8 * lap][:2], **spot)
+    axis.set(ylim=(-0.5, 2.7), aspect="equal", xlabel="x / m", ylabel="y / m")
+    figure.legend(loc="outside lower center", ncols=2, fontsize=10)
+    return from_figure(figure)
+
+
+laps = Prediction(
+    "01",
+    "laps",
+    "After three laps, 24 m, the robot is back. How far off is its odometry?",
+    {"A": "about 5 cm", "B": "about half a metre", "C": "about 4 m"},
+    right="B",
+    robot=f"its odometry is {off[8]:.2f} m off after one lap, {off[16]:.2f} m after two and "
+    f"{off[24]:.2f} m after three.",
+    tempting="C",
+    because="the heading is 24 degrees wrong by then, and on a straight road that would be metres. "
+    "But on a circle, errors to one side and to the other nearly cancel.",
+    before=draw_laps(False),
+    after=draw_laps(True),
 )
-show(from_figure(figure))
+display(laps)
 
 # %% [markdown]
-# After eight motions it is back. With the wrong turns its odometry ends 0.18 m, 0.36 m and 0.53 m away from the start after one, two and three laps
-# (the numbers in the figure). One degree is hardly visible at first, but every later step is rotated by all the errors before it. Keep this figure in mind for section 4.
+# Every step is rotated by all the errors before it. Section 4 leaves the circle.
 #
-# ## 3 · A car cannot turn in place
+# ## 3 · A car can't turn in place
 #
-# The front wheels are turned by the steering angle $\delta$, the rear wheels only roll. The car's pose is that of the middle of its rear axle, and $v$ is
-# the speed there. $L$ is the distance between the axles, the [[wheelbase]]. A dot is the time derivative:
+# The front wheels turn by the steering angle $\delta$, the rear wheels only roll. The car's pose is that of the middle of its rear axle, and $v$ is the speed there. The [[wheelbase]] $L$ is the distance between the axles. A dot is the time derivative:
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
-# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$ at any speed. This is the [[kinematic bicycle model]]. Our car is 0.42 m long and 0.24 m
-# wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad (26 degrees).
+# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$, at any speed. This is the [[kinematic bicycle model]]. Your car is 0.42 m long and 0.24 m wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad.
 #
 # ### Exercise 3 · `bicycle_step` (easy, 5 minutes)
 #
@@ -233,13 +306,10 @@ def bicycle_step(pose, speed, steering, wheelbase, seconds):
 bicycle_step = check_bicycle_step.use(bicycle_step)
 
 # %% [markdown]
-# **Predict, then move the slider:** a corridor is 1.4 m wide. The car starts along its lower wall. Can it turn around in a single half circle? At which steering
-# angle, if at any?
+# The hallway again, with your function at the wheel. Watch the dotted corner: is there an angle at which the car gets round?
+
 
 # %%
-car = BicycleCar()
-
-
 def eight_seconds(steering_angle, speed):
     """The car's poses (400, 3) over eight seconds, with fixed controls."""
     pose, track = np.array([0.0, 0.0, 0.0]), []
@@ -250,15 +320,16 @@ def eight_seconds(steering_angle, speed):
 
 
 # %% hidden=true
-# The car's turning circle in a corridor, with sliders
+# The car's turning circle in the hallway, with sliders
 def turning_circle(steering_angle, speed):
-    """The car's track over eight seconds, in the corridor."""
+    """The car's track over eight seconds, in the hallway."""
     track = eight_seconds(steering_angle, speed)
     outer = car.footprint[1 if steering_angle >= 0 else 2]  # the front corner that swings wide
     side = 1.0 if steering_angle >= 0 else -1.0  # the wall that the car starts along
     figure, (axis,) = chart(8.0, 4.0)
-    for wall in (-0.17 * side, 1.23 * side):
-        axis.axhline(wall, color="0.3", linewidth=4, label="corridor, 1.4 m" if wall > 0 else None)
+    for wall in (-SIDE * side, (WIDE - SIDE) * side):
+        name = f"hallway, {WIDE:.2f} m" if wall > 0 else None
+        axis.axhline(wall, color="0.3", linewidth=4, label=name)
     axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle, 8 seconds")
     corner = to_world(track, outer)
     axis.plot(*corner.T, ":", color=colours.unit(colours.PATH), label="outer front corner")
@@ -267,9 +338,9 @@ def turning_circle(steering_angle, speed):
         axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
     axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
     figure.legend(loc="outside lower center", ncols=3, fontsize=10)
-    radius = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
+    circle = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
     width = np.ptp(corner[:, 1]) if steering_angle else 0.24
-    text = f"radius {radius:.2f} m; the outer corner sweeps over {width:.2f} m across the corridor"
+    text = f"radius {circle:.2f} m; the outer corner sweeps over {width:.2f} m across the hallway"
     return from_figure(figure), text
 
 
@@ -281,36 +352,28 @@ sliders(
 )
 
 # %% [markdown]
-# <details><summary>What did you find?</summary>
-# The tightest circle has a radius of 0.62 m and a diameter of 1.24 m, measured at the middle of the rear axle. The car's outer front corner swings wider, so the whole car
-# needs 1.6 m for a half circle, and the corridor is too narrow at every steering angle: the car has to stop, reverse and go again. What it can reach <i>in one motion</i> is therefore not a question of
-# distance. A place half a metre to its left is much harder to reach than one three metres ahead. This is why notebook 03 learns reachability instead of
-# measuring distance. The speed does not change the circle at all.
-# </details>
+# There's none, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why notebook 03 learns reachability, and doesn't measure distance.
 #
 # ### When it touches something
 #
-# These equations know nothing of walls. Contact is the work of [pymunk](https://www.pymunk.org), a physics library. The car is a **rigid body** there: it moves and turns, but never bends.
+# These equations know nothing of walls. A physics library, [pymunk](https://www.pymunk.org), does: to it the car is a **rigid body**, which moves and turns but never bends. At a **contact**, the part of its velocity that points into the wall is taken away. The rest moves the car.
 #
-# Five times in each tenth of a second, the car's model sets the velocity that its wheels ask for. Where the car touches something there's a **contact**: pymunk takes away the part of the velocity that points into the wall, and the rest moves the car.
-#
-# **Predict:** three cars for five seconds. One drives straight at a wall, one meets it at 40°; both want 0.5 m/s and never stop their motors. The third stands still, and a person walks into it. Which of them moves how far after the contact? And how far does the person move aside?
+# One car drives straight at a wall, one at 40°, and their motors go on for five seconds. The third stands still, and a person walks into it.
 
 # %% hidden=true
 # Three contacts: a wall ahead, a wall at an angle, and a person
-WALL = 0.07  # y of a wall of the hallway, m
-passer = Person([[-8.9, 1.6], [-8.9, 0.7]], speed=0.3, keep_off=0.0)  # heeds no robot
-turns = np.linspace(0, 2 * np.pi, 40)
-disc = passer.radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+WALL = living[:, 1].min()  # y of the living room's lower wall, m
+passer = Person([[-4.0, WALL + 1.53], [-4.0, WALL + 0.63]], speed=0.3, keep_off=0.0)
+rounds = np.linspace(0, 2 * np.pi, 40)
+disc = passer.radius * np.stack([np.cos(rounds), np.sin(rounds)], axis=1)
 trials = {
-    "a wall ahead": ([-8.5, 0.9, -np.pi / 2], 0.5, []),
-    "a wall at an angle": ([-9.4, 0.75, np.deg2rad(-40)], 0.5, []),
-    "a person": ([-9.0, 1.1, 0.0], 0.0, [passer]),
+    "a wall ahead": ([-3.6, WALL + 0.83, -np.pi / 2], 0.5, []),
+    "a wall at an angle": ([-4.5, WALL + 0.68, np.deg2rad(-40)], 0.5, []),
+    "a person": ([-4.1, WALL + 1.03, 0.0], 0.0, [passer]),
 }
-figure, axes = chart(10.5, 3.4, 3)
-rows = []
-for axis, (name, (start, speed, people)) in zip(axes, trials.items(), strict=True):
-    trial = Simulation(scene, start, people=people, sensors=Sensors(camera=None))
+rows, films = [], {}
+for name, (start, speed, people) in trials.items():
+    trial = Simulation(home, start, people=people, sensors=Sensors(camera=None))
     track, walked, touched = [trial.poses[0]], [trial.crowd.positions], [False]
     for _ in range(29 if people else 50):
         trial.step([[speed, 0.0]])
@@ -318,60 +381,75 @@ for axis, (name, (start, speed, people)) in zip(axes, trials.items(), strict=Tru
         walked.append(trial.crowd.positions)
         touched.append(trial.touching[0])
     track, walked, first = np.array(track), np.array(walked), int(np.argmax(touched))
-    moving = [(track, car.footprint, colours.ROBOT)]
-    if people:
-        passing = np.column_stack([walked[:, 0], np.zeros(len(walked))])
-        moving.append((passing, disc, colours.PERSON))
-        spot = walked[first, 0] - [0.0, passer.radius]
-    else:
-        corners = to_world(track[first], car.footprint)
-        spot = corners[corners[:, 1] < corners[:, 1].min() + 0.01].mean(axis=0)
-    for poses, outline, tone in moving:
-        for k, strength in ((0, 0.25), (first, 0.5), (-1, 1.0)):
-            shape = to_world(poses[k], outline)
-            axis.fill(*shape.T, color=colours.unit(tone), alpha=strength, linewidth=0)
-    axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle of the car")
-    axis.plot(*spot, "x", color=colours.unit(colours.LASER), ms=11, mew=3, label="first contact")
-    axis.axhspan(WALL - 0.15, WALL, color=colours.unit(colours.SOLID), linewidth=0, label="wall")
-    middle = track[[0, -1], 0].mean() + 0.1
-    axis.set(xlim=(middle - 1.5, middle + 1.5), ylim=(WALL - 0.15, 1.85), aspect="equal")
-    axis.set(title=name, xlabel="x / m")
-    after = track[first:]
-    angle = None if people else -np.rad2deg(track[first, 2])
-    asked, moved = speed * 0.1 * (len(after) - 1), arc_length(after)[-1]
-    aside = np.ptp(walked[:, 0, 0]) if people else None
-    turn = np.rad2deg(after[-1, 2] - after[0, 2])
-    rows.append([name, angle, 0.1 * first, asked, moved, turn, aside])
-axes[0].set_ylabel("y / m")
-figure.legend(
-    *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=10
+    after, asked = track[first:], speed * 0.1 * (len(track) - first - 1)
+    degrees = np.rad2deg(after[-1, 2] - after[0, 2])
+    rows.append([name, 0.1 * first, asked, arc_length(after)[-1], degrees])
+    films[name] = track, walked, first
+
+
+def draw_contacts(told):
+    """The three contacts: start and first contact, and the end if `told`."""
+    figure, axes = chart(10.5, 3.4, 3)
+    for axis, (name, (track, walked, first)) in zip(axes, films.items(), strict=True):
+        moving = [(track, car.footprint, colours.ROBOT)]
+        if walked.size:
+            passing = np.column_stack([walked[:, 0], np.zeros(len(walked))])
+            moving.append((passing, disc, colours.PERSON))
+            spot = walked[first, 0] - [0.0, passer.radius]
+        else:
+            corners = to_world(track[first], car.footprint)
+            spot = corners[corners[:, 1] < corners[:, 1].min() + 0.01].mean(axis=0)
+        for poses, outline, tone in moving:
+            for k, strength in ((0, 0.25), (first, 0.5), *([(-1, 1.0)] if told else [])):
+                shape = to_world(poses[k], outline) - [0.0, WALL]
+                axis.fill(*shape.T, color=colours.unit(tone), alpha=strength, linewidth=0)
+        if told:
+            axis.plot(track[:, 0], track[:, 1] - WALL, color=colours.unit(colours.TRACK))
+        tone = colours.unit(colours.LASER)
+        axis.plot(spot[0], spot[1] - WALL, "x", color=tone, ms=11, mew=3, label="first contact")
+        axis.axhspan(-0.15, 0, color=colours.unit(colours.SOLID), linewidth=0, label="wall")
+        middle = track[[0, -1], 0].mean() + 0.1
+        axis.set(xlim=(middle - 1.5, middle + 1.5), ylim=(-0.15, 1.8), aspect="equal")
+        axis.set(title=name, xlabel="x / m")
+    axes[0].set_ylabel("from the wall / m")
+    handles = axes[0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=2, fontsize=10)
+    return from_figure(figure)
+
+
+contact = Prediction(
+    "01",
+    "contact",
+    "Paler is earlier. Which car moves farthest after the first contact?",
+    {"A": "the one with a wall ahead", "B": "the one at an angle", "C": "the one that stands"},
+    right="B",
+    robot=f"at an angle it scrapes along for {rows[1][3]:.2f} m. The person pushes the third car "
+    f"{rows[2][3]:.2f} m, and head-on it moves {rows[0][3]:.2f} m.",
+    tempting="C",
+    because="it's the one without a wall in its way. But it goes only as far as the person walks, "
+    "and the part of a velocity along a wall is never taken away.",
+    before=draw_contacts(False),
+    after=draw_contacts(True),
 )
-head = {"the car meets": "", "at an angle of, °": ".0f", "first contact, s": ".1f"}
-head |= {"its wheels then ask for, m": ".2f", "it then moves, m": ".2f"}
-head |= {"it turns, °": "+.0f", "the person is moved aside, m": ".2f"}
-display(table(head, rows))
-show(from_figure(figure))
+display(contact)
+
+# %% hidden=true
+# The three contacts in numbers
+head = {"the car meets": "", "first contact, s": ".1f", "its wheels then ask for, m": ".2f"}
+table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 
 # %% [markdown]
-# Paler is earlier: the start, the first contact, and the end; the person is pink.
+# The wall pushes at the second car's front corner and turns it along. There's no **friction** here; a real wall would slow the car down and scratch it.
 #
-# <details><summary>What do you see?</summary>
-# Head-on the whole velocity points into the wall, so nothing is left: the car stands, and its motor goes on. At 40° the part along the wall is left. The car scrapes along for 1.54 m, while its wheels ask for 1.85 m. The wall pushes at its front corner and turns it along the wall, by 13°. Walls have no <b>friction</b> here; a real one would slow the car down and scratch it.
-#
-# The person isn't moved aside at all, and the car gives way. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. So the person pushes the car 0.66 m, and a car that drives at a person stops as if at a wall. This one pays no attention to robots. The people of the later notebooks do: each stops 1.3 m before a robot, waits two seconds, and walks back.
-#
-# <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever did.
+# <details><summary>How far is the person moved?</summary>
+# Not at all. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. This one pays no attention to robots. The people of later notebooks stop 1.3 m before a robot, wait two seconds, and walk back. <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever did.
 # </details>
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors are not exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329)
-# (ICRA 2020, from here on Meng 2020; section IV-B), and multiply both controls, ten times a second, by a random number drawn from
-# $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheel odometry has errors too: about 5 % of each distance and of each turn, and the heading
-# drifts at random, by 0.02 rad over one metre and by 0.04 rad over four (standard deviations).
+# Motors aren't exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B): ten times a second, both controls are multiplied by random numbers of mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and of each turn, and its heading drifts.
 #
-# **Predict:** 200 cars start at the same place and get the same commands. Which will have the larger spread after 20 seconds, the true positions
-# or the errors of the odometry? In which direction is the error largest, along the path or across it?
+# 200 cars start at one place and get the same commands for 20 s. Your `compose` adds up where they are, and where their odometry puts them.
 
 # %%
 commands = np.array([[0.5, 0.0]] * 60 + [[0.5, 0.25]] * 60 + [[0.5, 0.0]] * 80)
@@ -400,46 +478,54 @@ true, estimated = many_cars(200, 0.33)
 # %% hidden=true
 # True positions of 200 cars, and the errors of their odometry
 error = relative(true[-1], estimated[-1])
-figure, axes = chart(9.5, 4.2, 2)
-for i in range(0, 200, 4):
-    axes[0].plot(*true[:, i, :2].T, color=colours.unit(colours.TRACK), alpha=0.15, linewidth=1)
-axes[0].scatter(*true[-1, :, :2].T, s=8, color=colours.unit(colours.TRACK))
-axes[0].set(title="true positions of 200 cars", aspect="equal", xlabel="x / m", ylabel="y / m")
-axes[1].scatter(*error[:, :2].T, s=8, color=colours.unit(colours.BELIEVED))
-axes[1].set(title="odometry error, in the frame of each car", aspect="equal")
-axes[1].set(
-    xlim=(-3, 3), ylim=(-3.4, 3.4), xlabel="error ahead / m", ylabel="error to the left / m"
-)
 along, across = error[:, 0].std(), error[:, 1].std()
 spread = np.hypot(*true[-1, :, :2].std(axis=0))
-print(f"spread of the true positions: {spread:.2f} m")
-print(f"spread of the odometry error: {along:.2f} m along the path, {across:.2f} m across it")
-show(from_figure(figure))
+half, most = np.quantile(np.linalg.norm(error[:, :2], axis=1), (0.5, 0.9))
 
-# %% hidden=true
-# The odometry error over the time, half and nine tenths of the cars
-error = np.linalg.norm(relative(true, estimated)[..., :2], axis=2)
-figure, (axis,) = chart(7.0, 3.6)
-seconds = 0.1 * np.arange(len(error))
-for share, style in ((0.9, ":"), (0.5, "-")):
-    meaning = f"{share:.0%} of the cars are below"
-    axis.plot(seconds, np.quantile(error, share, axis=1), style, color="0.2", label=meaning)
-axis.set(
-    xlabel="time / s", ylabel="odometry error / m", title="The error grows, and nothing corrects it"
+
+def draw_cloud(told):
+    """The tracks of the cars, and the errors of their odometry if `told`."""
+    figure, axes = chart(9.5 if told else 4.8, 4.2, 1 + told)
+    for i in range(0, 200, 4):
+        tone = colours.unit(colours.TRACK)
+        axes[0].plot(*true[:, i, :2].T, color=tone, alpha=0.15, linewidth=1)
+    axes[0].scatter(*true[-1, :, :2].T, s=8, color=colours.unit(colours.TRACK))
+    axes[0].set(title="true positions of 200 cars", aspect="equal", xlabel="x / m", ylabel="y / m")
+    if told:
+        axes[1].scatter(*error[:, :2].T, s=8, color=colours.unit(colours.BELIEVED))
+        axes[1].set(title="odometry error, in the frame of each car", aspect="equal")
+        axes[1].set(xlim=(-3, 3), xlabel="error ahead / m")
+        axes[1].set(ylim=(-3.4, 3.4), ylabel="error to the left / m")
+    return from_figure(figure)
+
+
+cloud = Prediction(
+    "01",
+    "cloud",
+    "Now each car's odometry error at the end, seen from that car. What's its shape?",
+    {
+        "A": "as large as this cloud",
+        "B": "smaller, and longer ahead than across",
+        "C": "smaller, and longer across than ahead",
+    },
+    right="C",
+    robot=f"its odometry is {along:.2f} m off ahead and {across:.2f} m across (standard "
+    f"deviations); the cars themselves are spread over {spread:.2f} m. Half of them are less than "
+    f"{half:.2f} m off, nine tenths less than {most:.2f} m.",
+    tempting="B",
+    because="5 % of a distance is an error ahead. But a wrong heading, over metres, becomes an "
+    "error across, and that's larger.",
+    before=draw_cloud(False),
+    after=draw_cloud(True),
 )
-axis.legend()
-show(from_figure(figure))
+display(cloud)
 
 # %% [markdown]
-# <details><summary>What did you see?</summary>
-# The cars themselves are spread over metres: the commands alone say little about where a car is. The odometry is three times better (both plots have the
-# same scale), but look at the shape of its error. A heading error, integrated over metres, becomes an error <i>across</i> the path. It grows with the distance driven, and nothing ever corrects
-# it. Only observing the world can.
-# </details>
+# Commands alone say little about where a car is. Odometry says more, but nothing on board corrects its error. Only a look at the world can.
 #
 # ### Find the bug
 #
-# A colleague's odometry is right on straights and wrong after every bend. Where is the bug? Decide before you unfold the answer.
+# A colleague's odometry is right on straights and wrong after every bend. Where's the bug? Decide before you unfold the answer.
 #
 # ```python
 # def update(pose, ahead, turn):
@@ -449,20 +535,19 @@ show(from_figure(figure))
 # ```
 #
 # <details><summary>Answer</summary>The step is added along the world's x axis and never rotated by the heading: it should be
-# <code>compose(pose, [ahead, 0, turn])</code>. A test that drives straight along +x would not have found it, which is why good tests turn first.</details>
+# <code>compose(pose, [ahead, 0, turn])</code>. A test that drives straight along +x wouldn't have found it, and so good tests turn first.</details>
 #
 # ## 5 · A ray hits a wall
 #
-# A beam of the [[laser scanner]] and a column of a camera image ask the same question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$.
-# The ray starts at $o$ and runs along the unit vector $d$. They intersect where
+# Your robot opens its eyes. A beam of its [[laser scanner]] and a column of its image ask one question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$, a ray starts at $o$ and runs along the unit vector $d$. They intersect where
 #
 # $$ o + t\,d = a + u\,(b - a), \qquad t \ge 0, \quad 0 \le u \le 1. $$
 #
-# Two equations, two unknowns. Take the cross product of both sides with $b - a$, and $u$ drops out; with $d$, and $t$ does. With $p \times q = p_x q_y - p_y q_x$ the answer is
+# Take the cross product of both sides with $b - a$, and $u$ drops out; with $d$, and $t$ does. With $p \times q = p_x q_y - p_y q_x$,
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
-# Where ray and wall are parallel, the denominator is zero. Rounding can make it $10^{-16}$ instead, and both fractions can then come out as anything. So a size of $10^{-12}$ or less counts as parallel, whatever its sign.
+# Where ray and wall are parallel, the denominator is zero, or $10^{-16}$ by rounding. So a size of $10^{-12}$ or less counts as parallel, whatever its sign.
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
@@ -500,15 +585,13 @@ def ray_segment(origin, direction, start, end):
 ray_segment = check_ray_segment.use(ray_segment)
 
 # %% [markdown]
-# Now your function scans an apartment: 60 rays, each against every wall nearby, and the nearest hit counts. Walls are painted in stretches of
-# colour, so that images of different places differ. The library does the same some ten thousand times faster: its code is compiled, and a grid index finds the
-# walls nearby (`.venv/bin/python -m tutorial_lib bench raycast` measures it; the code is in [`world/raycast.py`](../tutorial_lib/world/raycast.py)).
+# Now your function scans the living room: 60 rays, each against every wall nearby. The library's compiled [`world/raycast.py`](../tutorial_lib/world/raycast.py) is some ten thousand times faster.
 
 # %%
-eye = np.array([*paths.points[paths.clearance.argmax()], 0.6])
+eye = np.array([-4.5, -11.6, 0.2])
 angles = np.linspace(-np.pi, np.pi, 60, endpoint=False)
-near = np.linalg.norm(scene.plan.segments.reshape(-1, 2, 2) - eye[:2], axis=2).min(axis=1) < 8.0
-walls = scene.plan.segments[near]
+near = np.linalg.norm(home.plan.segments.reshape(-1, 2, 2) - eye[:2], axis=2).min(axis=1) < 8.0
+walls = home.plan.segments[near]
 yours = []
 for angle in eye[2] + angles:
     direction = np.array([np.cos(angle), np.sin(angle)])
@@ -516,23 +599,21 @@ for angle in eye[2] + angles:
 yours = np.minimum(yours, 6.0)
 
 # %% hidden=true
-# Your scan of the apartment, from above
-picture = view.base.copy()
+# Your scan of the living room, from above
+picture = view.plain.copy()
 ends = to_world(eye, yours[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
 for end in ends:
     view.polyline(picture, [eye[:2], end], colours.LASER, 1)
 view.points(picture, ends, colours.LASER, 3)
 view.robot(picture, eye, car.footprint)
-show(picture)
+show(stacked([picture], ["Your scan: 60 rays"]))
 
 # %% [markdown]
 # ## 6 · From a ray to a column of pixels
 #
-# The camera sits 0.25 m above the floor (`EYE`) and the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing
-# direction, not along the ray. The wall ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The camera's vertical field of view is 60 degrees, so the
-# image reaches from the slope $s = \tan 30°$ (`slope`) at its upper edge down to $-s$, and its rows divide that range evenly. A row
-# that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why the small images of 16 rows from which the networks
-# learn still show distances well: the exact share is in the colour.
+# The camera sits 0.25 m above the floor (`EYE`), the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing direction, not along the ray. The wall ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The image reaches from the slope $s = \tan 30°$ (`slope`) down to $-s$, and its rows divide that range evenly.
+#
+# A row that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. So even images of 16 rows show distances well: the share is in the colour.
 #
 # ### Exercise 5 · `wall_share` (medium, 15 minutes)
 #
@@ -566,15 +647,14 @@ def wall_share(depth, rows):
 wall_share = check_wall_share.use(wall_share)
 
 # %% [markdown]
-# Rays and columns together make a camera. Below, the library's rays give the depth and the colour of each of 64 columns, and `wall_share` mixes that colour with
-# floor and ceiling. **Predict:** will this image and the library's differ, and where?
+# Rays and columns make a camera. Here's the living room of notebook 00, painted by your code: the library's rays give each column's depth and colour, and your `wall_share` mixes in floor and ceiling. Compare it with the library's.
 
 # %%
 camera = Camera(rows=64)
-image, distance = camera.look(scene, eye[None])
+image, distance = camera.look(home, eye[None])
 column_angles = camera.fan.angles[::-1]  # column 0 is the leftmost
 depth = distance[0] * np.cos(column_angles)
-ceiling, floor = scene.backdrop
+ceiling, floor = home.backdrop
 middle = image[0, 30].astype(float)  # just above the horizon every pixel is wall
 mine = np.zeros((64, 64, 3))
 for column in range(64):
@@ -590,119 +670,76 @@ print(f"largest difference: {apart:.1f} of 255 grey levels")
 show(side_by_side(pictures, ["with wall_share", "by the library"]))
 
 # %% [markdown]
-# <details><summary>Do they differ?</summary>By less than one grey level: the library rounds to whole numbers, and nothing else.</details>
+# They differ by less than one grey level, since the library rounds to whole numbers.
+#
 # <details><summary>Why the depth and not the distance?</summary>A pinhole camera shows straight walls straight. Columns at the side see the wall along a ray that is longer by
 # 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> by <code>distance[0]</code>.</details>
 #
-# ## 7 · Two places, one image
+# ## 7 · The way to the photo
 #
-# This office has rooms that are furnished exactly alike; some are rotated by half a turn. **Predict:** how much do the images taken from the same spot in two of
-# them differ, *the same relative to the furniture*?
+# An oracle, which knows the floor plan, drives your robot to the photo, and your robot records: a [[trajectory]] of poses, images and actions. Orange dots are its laser scans at the numbered places. This is the twin of the paper's Fig. 6, **in an easier world**: theirs is a scanned building with real textures.
 
 # %% hidden=true
-# Two offices that are furnished alike, and what a camera sees in them
-office = Scene(generate("symmetric_office", seed=1))
-rooms = [room for room in office.plan.rooms if room.kind == "office"]
-middles = np.array([np.mean(room.outline, axis=0) for room in rooms])
-headings = np.arange(8) * np.pi / 4
-poses = np.array([[*place, heading] for place in middles for heading in headings])
-images, depths = Camera(rows=64).look(office, poses)
-inside = depths.max(axis=1) < 6.0  # no ray leaves through the door
-alike = [
-    (i, j)
-    for i in np.flatnonzero(inside)
-    for j in np.flatnonzero(inside)
-    if i // 8 < j // 8 and (images[i] == images[j]).all()
-]
-first, second = alike[0]
-office_view = PlanView(office, 460, 380)
-plan = office_view.base.copy()
-for pose in poses[[first, second]]:
-    draw_field_of_view(office_view, plan, office, pose)
-    office_view.robot(plan, pose, 1.6 * car.footprint)
-shown = [camera_picture(images[k], 400) for k in (first, second)]
-difference = np.abs(images[first].astype(int) - images[second]).max()
-print(
-    f"{len(alike)} identical pairs among {inside.sum()} views; the largest difference between these two is {difference}"
-)
-show(side_by_side([plan, stacked(shown, ["from the first room", "from the second"])]))
-
-# %% [markdown]
-# They are equal to the last bit. No camera, however good, can tell these two places apart from one image. This is [[perceptual aliasing]]. (A step
-# aside, and the images differ: only exactly the same spot gives exactly the same image.) What helps is what came *before* the image, and notebooks 04 to 06 will use it.
-#
-# ## 8 · What a robot records
-#
-# Meng 2020 shows in its Fig. 6 a robot that follows a trajectory of 23 m, with numbered images along the path and the laser scans from above. Below is its
-# counterpart. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
-# texture, and here an oracle that knows the map drives the car. A recording of poses, images and actions is a [[trajectory]]. The orange dots are the laser scans at the
-# numbered places: 96 beams all around, drawn up to 4 m. **Predict:** which two of the images will be most alike?
-
-# %% hidden=true
-# A trajectory through the apartment, with numbered images along it
-distances = paths.fields(paths.points[paths.clearance.argmax()][None])
-far = paths.points[np.where(np.isfinite(distances.cost[0]), distances.cost[0], 0).argmax()]
-path = distances.path(far)
-start = np.array([*path[0], np.arctan2(*(path[4] - path[0])[::-1])])
-simulation = Simulation(scene, start, sensors=Sensors(camera=Camera(rows=64)))
-oracle = OraclePolicy(simulation, paths, path[-1])
-track, kept = [simulation.poses[0]], []
-while np.linalg.norm(simulation.poses[0, :2] - path[-1]) > 0.3 and len(track) < 1000:
-    if len(track) % 80 == 1:
-        kept.append((simulation.poses[0], simulation.observe()))
-    simulation.step(oracle.act(simulation.observe(), np.array([0])))
+# A trajectory through the flat, with numbered images along it
+start, goal = np.array([-5.07, -12.85, 0.72]), np.array([3.23, -0.55])
+simulation = Simulation(home, start, sensors=Sensors(camera=Camera(rows=64)))
+oracle = OraclePolicy(simulation, paths, goal)
+track, recorded = [start], [simulation.observe()]
+while np.linalg.norm(track[-1][:2] - goal) > 0.3 and len(track) < 1000:
+    simulation.step(oracle.act(recorded[-1], np.array([0])))
     track.append(simulation.poses[0])
-picture = view.base.copy()
+    recorded.append(simulation.observe())
+kept = [*range(0, len(track) - 20, 40), len(track) - 1]  # every 4 s, and the last one
+picture = view.plain.copy()
 view.polyline(picture, np.array(track)[:, :2], colours.TRACK, 3)
 frames, names = [], []
-for number, (pose, observation) in enumerate(kept[:6], 1):
-    beams = observation.laser[0]
+for number, k in enumerate(kept, 1):
+    beams = recorded[k].laser[0]
     angles = (np.arange(96) + 0.5) * 2 * np.pi / 96 - np.pi
     local = beams[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    view.points(picture, to_world(pose, local[beams < 4.0]), colours.LASER, 1.5)
-    view.robot(picture, pose, 1.4 * car.footprint)
-    x, y = view.pixels(pose[:2]).round().astype(int)
-    label(picture, str(number), x + 8, y - 8, 0.7)
-    frames.append(camera_picture(observation.image[0], 230))
+    view.points(picture, to_world(track[k], local[beams < 4.0]), colours.LASER, 1.5)
+    view.robot(picture, track[k], 1.4 * car.footprint)
+    aside = 17 if abs(np.sin(track[k][2])) > 0.7 else -17  # pixels, where there is room
+    write_beside(view, picture, str(number), track[k], aside)
+    frames.append(camera_picture(recorded[k].image[0], 220))
     names.append(f"image {number}")
-length = arc_length(track)[-1]
-print(f"a trajectory of {length:.1f} m")
-images = np.array([observation.image[0] for _, observation in kept[:6]], dtype=float)
+images = np.array([recorded[k].image[0] for k in kept], dtype=float)
 unlike = np.abs(images[:, None] - images).mean(axis=(2, 3, 4))  # mean difference of two images
-first, second = np.triu_indices(len(images), k=1)
-for pair in np.argsort(unlike[first, second])[:2]:
-    i, j = first[pair], second[pair]
-    print(f"images {i + 1} and {j + 1} differ by {unlike[i, j]:.0f} grey levels on average")
-show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
+columns = [stacked(frames[i::2], names[i::2], gap=4) for i in (0, 1)]
+alike = Prediction(
+    "01",
+    "alike",
+    "Compare the images pixel by pixel. Which two differ least?",
+    {"A": "1 and 2", "B": "2 and 4", "C": "3 and 4"},
+    right="B",
+    robot=f"it subtracts. 2 and 4 differ by {unlike[1, 3]:.0f} grey levels on average, 1 and 2 by "
+    f"{unlike[0, 1]:.0f}, 3 and 4 by {unlike[2, 3]:.0f}.",
+    tempting="C",
+    because="3 and 4 look along one hallway. But a wall that's nearer covers other pixels, and "
+    "pixels are all that's compared.",
+    before=side_by_side([picture, *columns], gap=8),
+)
+print(f"a trajectory of {arc_length(np.array(track))[-1]:.1f} m")
+display(alike)
 
 # %% [markdown]
-# <details><summary>Which two are most alike?</summary>
-# Pixel by pixel, images 2 and 5, which were taken 15 m apart and show different walls; only then 3 and 4, which look along the same corridor. Pixel similarity is a poor measure of how close two
-# places are. This is why the course learns what the car can <i>reach</i>, and does not simply compare images.
+# Pixels are a poor measure of how close two places are. So this course learns what the car can *reach*. The laser has gaps, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits in between.
+#
+# **Close it and draw the pipeline**, with your function names: from a command to the image that follows it.
+#
+# After this notebook you can
+#
+# - say where an object is in the robot's frame, and where the robot is after two motions;
+# - predict what a car that steers with its front wheels can and can't do;
+# - explain why a robot that relies on wheel odometry gets lost;
+# - turn a floor plan into a camera image, column by column.
+#
+# <details><summary>Extras, if you like</summary>
+# Drive a circle with <code>bicycle_step</code>, with <code>seconds=0.5</code> and with <code>seconds=0.01</code>: which is larger, and how far apart are the cars after 20 s? A version that moves along the exact arc passes the check, too.
+#
+# In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90 % of the cars to stay below 0.3 m after 20 s?
+#
+# Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: from how far away can you still tell two depths apart?
 # </details>
 #
-# ## How it fails
-#
-# | what happens | cause | what helps |
-# |---|---|---|
-# | the estimated track leaves the building | odometry accumulates every small error | images of known places (notebook 04) |
-# | a thin post is detected late | the laser's 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
-# | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of images, and a belief (notebook 07) |
-# | the car cannot reach a place 50 cm to its left | its turning circle is wider than that | reversing (notebook 02), knowing what is reachable (notebook 03) |
-#
-# ## Optional extras
-#
-# - **Extra 1.** Drive a circle with `bicycle_step`, with `seconds=0.5` and with `seconds=0.01`. Which circle is larger, and how far apart are the cars after 20 s?
-#   Write a version that moves along the exact arc; the check accepts it.
-# - **Extra 2.** In `many_cars`, write `WheelOdometry(drift=...)`. How large may the drift be so that 90 % of the cars stay below 0.3 m after 20 seconds?
-# - **Extra 3.** Call `wall_share` with 8 rows and with 4, for depths from 1 m to 8 m. From how far away can you still tell two depths apart?
-#
-# ## What to remember
-#
-# - A point changes frames by *shift, then rotate*, and motions add up by composition, not by addition.
-# - A car drives circles no tighter than $r = L/\tan\delta$. Near is not the same as reachable.
-# - Odometry is good for metres, not for minutes. Heading errors hurt most.
-# - Laser and camera both come down to intersecting a ray with a segment. Partial pixel coverage shows distances more finely than whole pixels could.
-# - Many places can give the same image.
-#
-# **Read next:** Meng 2020, [sections I to III-A](https://arxiv.org/abs/1909.12329), and then [notebook 02](02_local_control.ipynb), where the car learns to drive to the place shown in an image.
+# Tonight your robot can see and move, but an oracle turned its wheels. Hold up the photo, and it stays where it is. In [notebook 02](02_local_control.ipynb) you write what turns an image into steering. Sections I to III-A of the paper are good reading until then.
