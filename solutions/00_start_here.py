@@ -121,7 +121,7 @@ print(f"Hello, {robot}!")
 # %% [markdown]
 # ## It drives there, once
 #
-# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads are images that it kept, thin lines are ways from one to the next. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no position**.
+# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads are images that it kept, thin lines lead from one to the next. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no position**.
 #
 # It plans a path through its images, and predicts how probably that works. Then it sets off, past two people who are in none of its images. Watch what it does when it meets one. The cell takes about 20 s.
 
