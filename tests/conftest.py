@@ -1,6 +1,7 @@
 """Options and small worlds that several tests share, and how tests run side by side."""
 
 import os
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,17 @@ from hypothesis import HealthCheck, settings
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import Trajectory
+from tutorial_lib.world import worlds
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of
 
 # A busy machine is no defect.
-settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "patient", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.register_profile("thorough", settings.get_profile("patient"), max_examples=100)
 settings.load_profile("patient")
 
 
@@ -60,6 +65,8 @@ def pytest_cmdline_main(config):
 def pytest_configure(config):
     os.environ.setdefault("TUTORIAL_ANSWERS", "")  # answers that pass in a test are not kept
     config.addinivalue_line("markers", "full: runs only with --full")
+    if config.getoption("--full"):
+        settings.load_profile("thorough")
     if getattr(config.option, "tx", []):  # the workers inherit it
         for name, value in LIMITS.items():
             os.environ.setdefault(name, value)
@@ -106,6 +113,15 @@ def _one_thread():
     torch.set_num_threads(1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(torch, "set_num_threads", lambda count: None)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _worlds_once():
+    """A world that several tests name is generated once: no scene ever changes."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("generate", "Scene"):
+            patch.setattr(worlds, name, lru_cache(maxsize=32)(getattr(worlds, name)))
         yield
 
 
