@@ -121,7 +121,7 @@ def _worlds_once():
     """A world that several tests name is generated once: no scene ever changes."""
     with pytest.MonkeyPatch.context() as patch:
         for name in ("generate", "Scene"):
-            patch.setattr(worlds, name, lru_cache(maxsize=32)(getattr(worlds, name)))
+            patch.setattr(worlds, name, lru_cache(maxsize=16)(getattr(worlds, name)))
         yield
 
 
