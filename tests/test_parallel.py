@@ -22,14 +22,21 @@ def test_results_come_in_the_order_of_the_items():
     ]
 
 
-MANY = """
-import os, time
-from tutorial_lib.parallel import for_each
-def grow(number, megabytes, kept=[]):  # keeps memory, and says in which process
+def grow(number, megabytes, kept=[]):  # noqa: B006 - it is to grow
+    """Keep memory, and say in which process."""
+    import os
+    import time
+
     kept.append(bytearray(b"x") * (megabytes * 1_000_000))
     time.sleep(1.2)  # loky measures once a second
     return number, os.getpid()
-found = for_each(grow, range(5), 330, label="worlds", jobs=2)
+
+
+MANY = """
+from tests.test_parallel import grow
+from tutorial_lib import parallel
+from tutorial_lib.parallel import for_each
+found = for_each(grow, range(5), 400, label="worlds", jobs=2)
 assert [number for number, _ in found] == list(range(5))
 print(len({process for _, process in found}))
 """
