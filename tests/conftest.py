@@ -1,7 +1,6 @@
 """Options and small worlds that several tests share, and how tests run side by side."""
 
 import os
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ from hypothesis import HealthCheck, settings
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import Trajectory
-from tutorial_lib.world import worlds
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.scene import Scene
@@ -113,15 +111,6 @@ def _one_thread():
     torch.set_num_threads(1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(torch, "set_num_threads", lambda count: None)
-        yield
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _worlds_once():
-    """A world that several tests name is generated once: no scene ever changes."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("generate", "Scene"):
-            patch.setattr(worlds, name, lru_cache(maxsize=16)(getattr(worlds, name)))
         yield
 
 
