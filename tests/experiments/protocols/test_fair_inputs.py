@@ -211,7 +211,7 @@ def test_nor_does_anything_that_the_agents_keep(building, trials, name, monkeypa
 def test_networks_that_look_at_the_laser_find_its_scans_in_the_contexts(building, trials):
     predictor, reachability = WaypointNetwork("laser_k2"), ReachabilityNetwork("reach_laser")
     agent = agents.meng(predictor=predictor, reachability=reachability, p_sparsify=0.999)
-    agent.learn(list(experiences(building, range(2))))
+    agent.learn(list(experiences(building, range(1))))
     goals = navigation.goals_of(trials.subset(np.arange(2)), predictor.view, predictor.k)
     planner = DijkstraPlanner(candidates=2, least=0.0, p_query=0.0, p_goal=0.0)
     seen = next(experiences(building)).observations[5]
@@ -274,7 +274,7 @@ def test_drift_follows_from_the_seed():
 def test_what_is_observed_is_the_same_again_byte_for_byte(building, trials):
     def seen(seed):
         odometry = Odometry(seed=(seed,))
-        made = explored("room", building.scene, np.random.default_rng(3), 4, odometry)
+        made = explored("room", building.scene, np.random.default_rng(3), 2, odometry)
         agent = Hoarder(20)
         attempt(made, trials, agent)
         parts = [one.observations for one in agent.given[0]] + [one for one, _ in agent.given[2:]]
