@@ -1,5 +1,7 @@
 """Table 1, Table 2 and Fig. 8 compare the right agents, over the right worlds, with one noise."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,10 @@ def _made_up(monkeypatch):
         monkeypatch.setattr(module, "run_agent", made_up)
         monkeypatch.setattr(module, "check_shipped", lambda agents, sensor: None)
     monkeypatch.setattr(exploration, "for_each", in_turn)
+    monkeypatch.setattr(exploration, "make_world", one_world)
+
+
+one_world = cache(make_world)
 
 
 @pytest.mark.usefixtures("_made_up")
