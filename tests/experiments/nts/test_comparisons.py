@@ -34,9 +34,9 @@ def made_up(world, name, sensor, *, geometry=False, noise=True, stops_itself=Fal
 def _made_up(monkeypatch):
     for module in (table1, table2):
         monkeypatch.setattr(module, "run_agent", made_up)
+        monkeypatch.setattr(module, "make_world", one_world)
         monkeypatch.setattr(module, "check_shipped", lambda agents, sensor: None)
     monkeypatch.setattr(exploration, "for_each", in_turn)
-    monkeypatch.setattr(exploration, "make_world", one_world)
 
 
 one_world = cache(make_world)
