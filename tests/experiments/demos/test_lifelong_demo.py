@@ -15,7 +15,6 @@ from tutorial_lib.experiments.demos import lifelong_demo, recorder
 from tutorial_lib.experiments.demos.life_film import LifeFilm
 from tutorial_lib.experiments.demos.lifelong_demo import STAGES, Stage, run_lifelong_demo
 from tutorial_lib.experiments.demos.moments import OnLivingMap, map_counts
-from tutorial_lib.experiments.protocols import navigation
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules
 from tutorial_lib.world.simulation import Sensors, Simulation
 
@@ -39,7 +38,6 @@ def small(monkeypatch):
     for module in (recorder, lifelong_demo):
         monkeypatch.setattr(module, "FILM_RATE", 2.0)
     monkeypatch.setattr(lifelong_demo, "_SPARE", 0.0)
-    monkeypatch.setattr(navigation, "GRACE", 0.0)
     return Stage(1, 1, True, 1.0), Stage(2, 3, False, 1.0), Stage(4, 4, False, 1.0)
 
 

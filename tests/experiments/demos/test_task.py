@@ -63,7 +63,7 @@ def test_the_budget_of_drives_is_kept(usual):
 def test_a_demo_in_a_large_hall_takes_place_in_a_part_where_re_is_sure(agent):
     plan = generate("hall", 102)  # on its open floor a drive's probability is 0.02
     scene = Scene(plan)
-    task = choose_task(scene, 102, 4, agent)
+    task = choose_task(scene, 102, 6, agent)
     x0, y0, x1, y1 = task.bounds
     assert max(x1 - x0, y1 - y0) <= PART + 1e-9
     poses = np.concatenate([task.building.recorded.poses, task.trial.recorded.poses])[:, :2]

@@ -211,7 +211,7 @@ def test_nor_does_anything_that_the_agents_keep(building, trials, name, monkeypa
 def test_networks_that_look_at_the_laser_find_its_scans_in_the_contexts(building, trials):
     predictor, reachability = WaypointNetwork("laser_k2"), ReachabilityNetwork("reach_laser")
     agent = agents.meng(predictor=predictor, reachability=reachability, p_sparsify=0.999)
-    agent.learn(list(experiences(building, range(1))))
+    agent.learn(list(experiences(building, range(2))))
     goals = navigation.goals_of(trials.subset(np.arange(2)), predictor.view, predictor.k)
     planner = DijkstraPlanner(candidates=2, least=0.0, p_query=0.0, p_goal=0.0)
     seen = next(experiences(building)).observations[5]
