@@ -482,8 +482,8 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, tmp_path_factory, w
 
 @pytest.fixture
 def few_drives(monkeypatch):
-    """The experiment on plans in this process, with four drives in each of them."""
-    few = plans.Settings(goals=4)
+    """The experiment on plans in this process, with ten drives in each of them."""
+    few = plans.Settings(goals=10)
     entry = replace(plans.EXPERIMENT, settings=few, quick_settings=few)
     monkeypatch.setitem(EXPERIMENTS, "plans", entry)
     monkeypatch.setattr(plans, "for_each", in_turn)
@@ -494,8 +494,8 @@ def few_drives(monkeypatch):
 def test_experiment_plans_runs_in_the_family_asked_for(family, capsys):
     assert main(["experiment", "plans", "--worlds", "10502:10503", "--family", family]) == 0
     (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if family in line][:1]
-    assert row[:4] == [family, "1", "1", "4"]
-    assert float(row[4]) == 1.0
+    assert row[:4] == [family, "1", "1", "10"]
+    assert float(row[4]) >= 0.9
     assert row[5] == "0"
 
 
@@ -508,8 +508,8 @@ def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
     assert saved["worlds"] == [10_500]
     assert [row["family"] for row in saved["rows"]] == list(plans.USUAL)
     for row in saved["rows"]:
-        assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 4)
-        assert row["success"] == 1.0
+        assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 10)
+        assert row["success"] >= 0.9
         assert row["walls_crossed"] == 0
     assert "walls_crossed" in capsys.readouterr().out
 
