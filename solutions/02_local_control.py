@@ -131,7 +131,8 @@ def plan_of_pair():
     picture = view.base.copy()
     view.polyline(picture, recorded.poses[whole, :2], colours.PATH, 3)
     map_with(start, goal, picture=picture)
-    return closeup(view, picture, np.array([start[:2], goal[:2]]), 1.0, square=True)
+    cut = closeup(view, picture, np.array([start[:2], goal[:2]]), 1.0, square=True)
+    return side_by_side([cut], height=400)
 
 
 hallway, living = scene.plan.rooms[:2]
@@ -171,7 +172,7 @@ display(steer)
 # It knows the floor plan and its position, and so it shows what's possible. You compare your robot with it.
 # </details>
 #
-# # First sitting: a driver
+# # First sitting · a driver (50 minutes)
 #
 # ## 1 · Two halves
 #
@@ -211,11 +212,15 @@ def drive(controls_of, start, goal):
 
 
 def track_picture(picture, track, goal):
-    """A track on a picture, with the car at a few places along it."""
-    view.polyline(picture, track[:, :2], colours.TRACK, 4)
-    for pose in [*track[:: max(1, len(track) // 5)], track[-1]]:
-        view.robot(picture, pose, car.footprint)
+    """A track on a picture, with the car wherever none is near, and at the end."""
     view.goal(picture, goal)
+    view.polyline(picture, track[:, :2], colours.TRACK, 4)
+    shown = [track[0]]
+    for pose in track:
+        if np.linalg.norm(np.array(shown)[:, :2] - pose[:2], axis=1).min() > 0.55:
+            shown.append(pose)
+    for pose in [*shown, track[-1]]:
+        view.robot(picture, pose, car.footprint)
     return picture
 
 
@@ -226,10 +231,10 @@ def simplest(_, waypoint):
 
 track, ending = drive(simplest, door_start, door_goal)
 picture = track_picture(view.base.copy(), track, door_goal)
-show(stacked([closeup(view, picture, near_door, 0.35)], [ending]))
+show(side_by_side([closeup(view, picture, near_door, 0.35)], [ending], height=430))
 
 # %% [markdown]
-# So something must push it off the wall. The classic recipe adds up forces, and it has a classic flaw: a wall far away still tugs at the sum, and a push that's right *beside* a wall is wrong in front of it. Whoever wants something should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
+# So something must push it off the wall. The classic recipe adds up forces, and it has a classic flaw: a wall far away still tugs at the sum, and a push that's right *beside* a wall is wrong in front of it. So each wish should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
 #
 # - an acceleration $a$: *what it wants*;
 # - a [[metric]] $M$, a symmetric matrix: *how much it matters, and in which directions*.
@@ -392,7 +397,9 @@ def field_picture(corners, goal, **parameters):
     return picture
 
 
-show(closeup(view, field_picture(near_door, door_goal), near_door, 0.35))
+show(
+    side_by_side([closeup(view, field_picture(near_door, door_goal), near_door, 0.35)], height=480)
+)
 
 # %% [markdown]
 # In the open the ellipses are circles: only the goal speaks. Beside a wall they're long *across* it. Motion towards the wall matters, motion along it doesn't, so an arrow may run along the wall freely.
@@ -434,7 +441,7 @@ def by_policies(corners, start, goal, **parameters):
     act = partial(drive_by_policies, **parameters)
     track, ending = drive(act, start, goal)
     picture = track_picture(field_picture(corners, goal, **parameters), track, goal)
-    return closeup(view, picture, corners, 0.35), ending
+    return side_by_side([closeup(view, picture, corners, 0.35)], height=430), ending
 
 
 waiting = view.plain.copy()
@@ -449,7 +456,7 @@ post = Prediction(
     "post",
     "The obstacles push five times as hard as usual, but with a weight of zero. What happens?",
     {
-        "A": "the car gives the doorpost a wide berth",
+        "A": "the car keeps far off the doorpost",
         "B": "the car hits the doorpost",
         "C": "the car stops before the door",
     },
@@ -458,10 +465,8 @@ post = Prediction(
     tempting="A",
     because="the push is strong. But an acceleration counts only as much as its metric, and here "
     "that's zero: nobody hears it.",
-    before=closeup(view, waiting, near_door, 0.35),
-    after=side_by_side(
-        [strong[0], usual[0]], ["a weight of zero", "the usual push and weight"], height=430
-    ),
+    before=side_by_side([closeup(view, waiting, near_door, 0.35)], height=430),
+    after=side_by_side([strong[0], usual[0]], ["a weight of zero", "the usual push and weight"]),
 )
 display(post)
 
@@ -487,7 +492,7 @@ sliders(
 #
 # Your car only drives forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse, and it turns in several moves where one arc is too tight.
 #
-# Is that worth it? An [[episode]] has a start and a target. One drive of a controller in an episode is a [[rollout]]. Here are all episodes whose target is up to a metre *behind* the car, for a car that never reverses, and for one that may. An oracle tells both where the target is.
+# Is that worth it? An [[episode]] has a start and a target. One drive of a controller in an episode is a [[rollout]]. Here are episodes whose target is up to a metre *behind* the car, for a car that never reverses, and for one that may. An oracle tells both where the target is.
 
 
 # %% hidden=true
@@ -544,7 +549,7 @@ for name, rollouts in results.items():
 show(side_by_side(panels, titles, height=400))
 
 # %% [markdown]
-# A car that never reverses must turn round, and your hallway is too narrow for that. This is a fact about the *body*; no network can make up for it.
+# A car that never reverses must turn round first. That takes time and 1.6 m of width, and few places in a flat have them. This is a fact about the *body*; no network can make up for it.
 #
 # ## 5 · Round the corner
 #
@@ -565,11 +570,11 @@ corner = Prediction(
     "Where will the car be after twelve seconds?",
     {
         "A": "at the target: it takes the door",
-        "B": "in the hallway, at the wall",
+        "B": "in the hallway, beside the wall",
         "C": "at the first doorpost, collided",
     },
     right="B",
-    robot=f"its time is up, and it stands {short:.1f} m from the target, with its nose at the wall.",
+    robot=f"its time is up. It stands {short:.1f} m from the target, and a wall is in between.",
     tempting="A",
     because="you see the door. But the policies look at the target and at the nearest walls, and "
     "nothing in them looks for a way round.",
@@ -583,9 +588,9 @@ display(corner)
 #
 # ---
 #
-# **Stop here.** That's fifty minutes: three functions, and a car that reaches any point in sight. Who tells it which point? When you come back, it looks for itself.
+# **Stop here.** That's fifty minutes: three functions, and a car that drives to a point in sight. Who tells it which point? When you come back, it looks for itself.
 #
-# # Second sitting: learning to look
+# # Second sitting · learning to look (70 minutes)
 #
 # ## 6 · Which point?
 #
@@ -688,13 +693,13 @@ labels = Prediction(
     {
         "A": "all at the target",
         "B": "all at one point, where the corner hides the rest",
-        "C": "at different points, the farther along, the farther out in the bend a car stands",
+        "C": "the farther a car stands from the doorpost, the farther along the drive",
     },
     right="C",
     robot=f"it gets points {min(along):.1f} m to {max(along):.1f} m along the drive, and the target is "
     f"at {arc_length(stretch)[-1]:.1f} m.",
     tempting="B",
-    because="the corner is the same for all. But whoever stands farther out sees farther round it.",
+    because="the doorpost is the same for all. But from farther off, one sees farther round it.",
     before=draw_starts(False),
     after=draw_starts(True),
 )
@@ -741,7 +746,7 @@ print(f"the library returns {by_library[0]:.0%} and {by_library[1]:.0%}")
 show(side_by_side(panels, titles, height=520))
 
 # %% [markdown]
-# What lies before both is nearly all that the front camera sees; the rear one sees the walls beside it, too. So *two* numbers tell which camera is ahead. One couldn't.
+# What lies before both is most of what the front camera sees; the rear one sees the walls beside it, too. So *two* numbers tell which camera is ahead. One couldn't.
 #
 # ## 7 · Two images, column by column
 #
@@ -749,7 +754,7 @@ show(side_by_side(panels, titles, height=520))
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ images} = 0.3\ \text{s}, $$
 #
-# $2k+1$ images; with $k = 0$ it's the single one. Here's the photo of this morning, with $k = 2$.
+# $2k+1$ images; with $k = 0$ it's the single one. Here's the photo from the door, with $k = 2$.
 
 # %% hidden=true
 # The photo, and its context
@@ -846,7 +851,7 @@ columns = Prediction(
     "02",
     "columns",
     "In which table has the car turned 25° to the left?",
-    {"A": "A", "B": "B", "C": "C"},
+    {"A": "table A", "B": "table B", "C": "table C"},
     right="C",
     robot="it reads the turn off the line's place, and the distance off its slope: a car farther "
     "back sees the target's image squeezed into the middle of its own.",
@@ -871,7 +876,7 @@ display(columns)
 #
 # For each pair of images the network learns the waypoint, cosine and sine of the difference in heading, and the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks took less than an hour each, in 120 worlds. You write that loop in small and make it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
 #
-# The test is 40 episodes: each starts beside a drive, up to 1 m aside and turned a little, and its target is more than a metre away. Before it has learnt anything, the network drives like this:
+# The test is 40 episodes: each starts beside a drive, up to 1 m aside and turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before it has learnt anything, the network drives like this:
 
 
 # %% hidden=true
@@ -1094,7 +1099,7 @@ for name, network in (("your 400 steps", learnt), ("pretrained, k = 2", pretrain
 #
 # ## 9 · The photo at the door
 #
-# Here's the photo of this morning again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to its waypoint. Watch whether the waypoint stays where it is.
+# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to its waypoint. Watch whether the waypoint stays where it is.
 
 # %% hidden=true
 # Film: the robot drives to the photo, from above and as it sees
@@ -1112,8 +1117,7 @@ rollouts = run(policy, this_one, record=keep_waypoint)
 track = track_of(rollouts, 0)
 images = images_from(*track, goal)
 film = []
-for step in range(0, len(predictions), 2):
-    waypoint = predictions[step]
+for step, waypoint in enumerate(predictions):
     picture = view.plain.copy()
     view.goal(picture, goal[:2])
     view.polyline(picture, track[: step + 1, :2], colours.TRACK, 3)
@@ -1125,7 +1129,7 @@ for step in range(0, len(predictions), 2):
     film.append(side_by_side([above, stacked(views, ["now", "the photo"])], height=340))
 ending = "arrives" if rollouts.reached[0] else "doesn't arrive"
 print(f"{robot_name()} {ending}, after {rollouts.seconds[0]:.1f} s")
-play(film, 5, count=3)
+play(film, 5, STEP * np.arange(len(film)), count=3)
 
 # %% [markdown]
 # **Your robot drives to a photo.** No map, no coordinates, no oracle: a network that looks, and a driver that keeps off the walls.
@@ -1251,8 +1255,8 @@ def case_picture(case, drawn):
 wont = Prediction(
     "02",
     "wont",
-    "Two of these arrive. Which doesn't?",
-    {"A": "A", "B": "B", "C": "C"},
+    "In two of these the robot arrives. In which doesn't it?",
+    {"A": "pair A", "B": "pair B", "C": "pair C"},
     right="B",
     robot=f"it sets off three times, and each time just as surely. In B it comes no closer than "
     f"{three[1]['near']:.1f} m, and drives until its time is up.",
@@ -1289,7 +1293,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 #
 # ## 11 · Beside the paper
 #
-# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; the others are $\mathcal C$ with more and more context. Below is its twin, **in an easier world**: straight walls with painted stripes, even light. *Random* drives to random waypoints, *laser* has distances in place of the image, and the oracle shows what body and clock cost. Compare the order of the bars, not their heights.
+# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; the others are $\mathcal C$ with more and more context. Below is its twin, **in an easier world**: straight walls with painted stripes, even light. *Random* drives to random waypoints, *laser* has distances in place of the image, and the oracle shows what body and clock cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
 # Success rates beside the paper's, with 95 % intervals
@@ -1325,7 +1329,7 @@ axis.set_xticks(range(len(names)), list(names.values()))
 show(from_figure(figure))
 
 # %% [markdown]
-# The page of results has the intervals, and the same controllers [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control) and [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2).
+# The page of results has the same controllers [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control), where context helps most behind obstacles, and [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2).
 #
 # <details><summary>Why does noise on the controls hardly matter?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, errors would add up as those of the odometry did in notebook 01.
