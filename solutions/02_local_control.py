@@ -743,7 +743,7 @@ for name, viewer, other in (("rear", rear, front), ("front", front, rear)):
     titles.append(f"{name} view: {both.mean():.0%} shared")
 by_library = mutual_overlap(scene.caster, rear[None], front[None])[0]
 print(f"the library returns {by_library[0]:.0%} and {by_library[1]:.0%}")
-show(side_by_side(panels, titles, height=520))
+show(side_by_side(panels, titles, height=420))
 
 # %% [markdown]
 # What lies before both is most of what the front camera sees; the rear one sees the walls beside it, too. So *two* numbers tell which camera is ahead. One couldn't.
@@ -1117,7 +1117,8 @@ rollouts = run(policy, this_one, record=keep_waypoint)
 track = track_of(rollouts, 0)
 images = images_from(*track, goal)
 film = []
-for step, waypoint in enumerate(predictions):
+for step in range(0, len(predictions), 2):
+    waypoint = predictions[step]
     picture = view.plain.copy()
     view.goal(picture, goal[:2])
     view.polyline(picture, track[: step + 1, :2], colours.TRACK, 3)
@@ -1129,7 +1130,7 @@ for step, waypoint in enumerate(predictions):
     film.append(side_by_side([above, stacked(views, ["now", "the photo"])], height=340))
 ending = "arrives" if rollouts.reached[0] else "doesn't arrive"
 print(f"{robot_name()} {ending}, after {rollouts.seconds[0]:.1f} s")
-play(film, 5, STEP * np.arange(len(film)), count=3)
+play(film, 5, 2 * STEP * np.arange(len(film)), count=3)
 
 # %% [markdown]
 # **Your robot drives to a photo.** No map, no coordinates, no oracle: a network that looks, and a driver that keeps off the walls.
