@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 07 · When places look alike
 #
-# **The office next door.** Its rooms were drawn once and copied: the same desk, the same cupboard, the same door. Your robot has a map of thirty drives through it, and a photo of the green place. Amber is its first plan. Each arrowhead is a photo that it expects to see, one after the other.
+# **The office next door.** Its rooms were drawn once and copied: the same desk, the same cupboard, the same door. Your robot has a map of thirty drives through it, and a photo of the green place. Amber is its first plan. Each arrowhead is a photo that it expects to see.
 #
 # You can tell which room it's in. The robot has one picture. *Which way will it turn at its door?*
 #
@@ -182,8 +182,8 @@ turn = Prediction(
     f"{outcome.gap[trip]:.0f} m from the goal. Of {len(trials)} such trips {outcome.success.sum()} "
     "succeed.",
     tempting="B",
-    because=f"that's where the goal is. But amber begins at the door of room {ACROSS}, and the "
-    "robot drives by amber.",
+    because=f"that's where the goal is. But amber begins in room {ACROSS}, and the robot drives by "
+    "amber's photos.",
     before=side_by_side([trip_picture(), before]),
     after=side_by_side([trip_picture(driven), after]),
 )
@@ -249,7 +249,7 @@ def legs_picture(poses, ahead, pose, goal):
     return picture
 
 
-def film_of(run, map_poses, robot, goal, every=4):
+def film_of(run, map_poses, robot, goal, every=6):
     """A film of one robot's trip, with what it sees and what it expects."""
     pictures, ahead = [], ()
     steps = range(0, round(run.outcome.seconds[robot] / STEP), every)
@@ -912,7 +912,7 @@ print(
 )
 print(f"{outcome.success.sum()} of {len(some)} such trips succeed. Yesterday it was ", end="")
 print(f"{yesterday.outcome.success[some].sum()} of {len(some)}.")
-film_of(today, map_poses, again, at_goal, 5)
+film_of(today, map_poses, again, at_goal, 8)
 
 # %% [markdown]
 # It begins with the same mistake. Then views that don't fit move the belief, the plan is dropped, and it plans from where it now thinks it is.
