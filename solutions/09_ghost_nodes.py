@@ -691,7 +691,11 @@ global_policy = check_global_policy.use(global_policy)
 #
 # $$ \text{SPL} = \frac1N \sum_i S_i\, \frac{\ell_i}{\max(p_i, \ell_i)} . $$
 #
-# Why the maximum? A robot may stop 1 m before the goal, and so travel *less* than $\ell_i$. Without it, one lucky episode would pay for another. And success may be high where SPL is low: in a small flat, whoever searches long enough comes past the goal.
+# In a small flat, whoever searches long enough comes past the goal: then success is high, and SPL is low.
+#
+# <details><summary>Why the maximum?</summary>
+# A robot may stop 1 m before the goal, and so travel <i>less</i> than the shortest path. Without the maximum, one lucky episode would pay for another.
+# </details>
 #
 # ### Exercise 4 · `spl` (easy, 4 minutes)
 #
@@ -743,7 +747,9 @@ spl = check_spl.use(spl)
 # 3. Ask `global_policy`, without a goal, for the next node. Without any ghost left, you're done. If the next node is another one, drive there, and begin the next round.
 # 4. Otherwise the ghost hangs on this node: drive to it. Whether it has arrived or not, the ghost is gone: it was explored, or can't be reached.
 #
-# Two rules in step 2 are ours, not the paper's: an edge to *each* node beside it, and a node at a ghost even where $\mathcal F_L$ has the robot in the old one. Three metres may be visible from there, but what lies behind isn't.
+# <details><summary>Which of these rules aren't the paper's?</summary>
+# Two in step 2: an edge to <i>each</i> node beside it, and a node at a ghost even where F_L has the robot in the old one. Three metres may be visible from there, but what lies behind isn't.
+# </details>
 #
 # <details><summary>Hint 1: concept</summary>Four things are remembered from round to round: the graph, the ghosts, the scores, and whether the robot has just arrived at a ghost.</details>
 # <details><summary>Hint 2: approach</summary>The number of a new node is the number of nodes so far. Call robot.beside() before robot.remember(node), and add_node before the edges: the first node has none beside it. scores is a dictionary with the key (node, direction) for all 12 directions of every node. After to_node it has not arrived at a ghost.</details>
@@ -929,7 +935,7 @@ blind = Prediction(
 display(blind)
 
 # %% [markdown]
-# So in a plain building, far from the goal, the score is habit: it knows which direction leads *out*. With accents it compares hues, and knows which way is nearer. A direction counts as the best if it's at most half a metre longer than the best; thin lines are 95 % intervals.
+# So in a plain building, far from the goal, the score is habit: it knows which direction leads *out*. With accents it compares hues, and knows which way is nearer. A choice counts as the best if its path is at most half a metre longer; thin lines are 95 % intervals.
 #
 # <details><summary>What are the differences in points?</summary>
 # On <b>easy</b> decisions the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones in plain buildings it is worth nothing, and with wayfinding accents it is worth 8 points. These are decisions whose goal is in another node, since F_S is asked only there (4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">page of results</a> has all of them.
