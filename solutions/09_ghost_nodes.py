@@ -5,7 +5,7 @@
 #
 # For this trip your robot has another body. It turns on the spot, and its camera sees all around, too. Three ways lead on: A, B and C. *Which one would you take?*
 #
-# By the end your robot will find such places on your code. You'll catch it when its best guess is worth nothing, and then you'll write your own.
+# By the end your robot will find such places on your code. You'll find out what its best guess is worth, and then you'll write your own.
 
 # %% hidden=true
 # The flat, and three ways (about 10 s)
@@ -82,7 +82,7 @@ model = LearnedExploration("nts_rgbd")  # `train nts --sensor rgbd` took half an
 WORLD = 10_004
 flat_name = exploration_world(WORLD, "wayfinding")
 flat = scene_of(flat_name)
-view, near_view = PlanView(flat, 270, 400), PlanView(flat, 390, 620)
+view, wide_view = PlanView(flat, 270, 400), PlanView(flat, 600, 760, margin=110)
 in_hallway, at_goal = np.array([0.79, -4.58, 0.0]), np.array([-1.33, -12.59, 0.5])
 WAYS = {"A": 3, "B": 0, "C": 9}  # three directions, counted from ahead to the left
 
@@ -161,14 +161,14 @@ display(ways)
 # It keeps a belief over all places and carries it along as it drives. Sooner or later a view fits only one of them.
 # </details>
 # <details><summary>Notebook 06: RE to the goal must be far above one half before the robot starts. Why?</summary>
-# A planner takes the best of many vertices, and whoever takes the best of many takes its mistakes, too. Keep that in mind for section 5.
+# A planner takes the best of many vertices, and whoever takes the best of many takes its mistakes, too.
 # </details>
 #
 # ## 1 · Watch it look
 #
 # This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, and stop. Wheels and odometry are a little off, as a real robot's are. It succeeds if it says *stop* within 1 m of the goal, in at most 500 actions.
 #
-# Here's the library's agent on a *hard* episode, 5 to 10 m by the shortest path. The white map is **all that it remembers**: dark dots where it looked around, and purple ones, the darker the better they look to it. The green ring is where it's going. The rose has a bar for each of twelve directions: purple where there's a purple dot, green where it's going.
+# Here's the library's agent on a *hard* episode, 5 to 10 m by the shortest path. The white map is **all that it remembers**: dark dots where it looked around, and purple ones, the darker the better they look to it. The green ring is where it's going. The rose has a bar for each of twelve directions, the longer the better: purple where there's a purple dot, green where it's going.
 #
 # Move the slider, and decide where the goal is. Only then choose *shown*. It takes about 5 s.
 
@@ -320,7 +320,7 @@ for i, place in enumerate(("in the hallway", "near the goal")):
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# Purple is where $\mathcal F_G$ sees a way on; dark arcs are the true scores. $\mathcal F_S$ needn't be right about metres: the robot goes to the **highest** purple bar, so only the order counts, and of the order only the first place.
+# Purple is where $\mathcal F_G$ sees a way on; dark arcs are the true scores. $\mathcal F_S$ needn't be right about metres: if it's 0.1 too high everywhere, the bars keep their order.
 #
 # <details><summary>Near the goal, the highest bar needn't point at the goal. Why not?</summary>
 # A bar is about the end of its direction, and that may lie beyond the goal, 3 m away. Near the goal $\mathcal F_R$ decides, not $\mathcal F_S$.
@@ -430,7 +430,7 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# So a small room may have *no* ghost: the radius that suits the paper's homes is large for it. The library keeps every other direction that's free for a metre on a **reserve list** (ours), and turns to it when no ghost is left. Your loop in exercise 5 does without; section 9 shows what that costs.
+# So a small room may have *no* ghost: the radius that suits the paper's homes is large for it. The library keeps every other direction that's free for a metre on a **reserve list**, an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 does without; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
@@ -569,7 +569,7 @@ def along(moment):
 
 
 def choices():
-    """Moments at which the robot leaves a ghost of its node for one of another node."""
+    """Moments at which a ghost of the robot's node loses against a far one, and by how little."""
     for story_of, _ in stories:
         for before, now in pairwise(story_of.moments):
             keys = [ghost[:2] for ghost in now.ghosts]
@@ -579,7 +579,8 @@ def choices():
             taken = keys.index(now.target)
             near = max(own, key=lambda i, now=now: now.ghosts[i][3])
             if taken not in own and len(now.ghosts) > 2:
-                yield along(now)[taken], now, taken, near
+                little = now.ghosts[taken][3] - now.ghosts[near][3]
+                yield along(now)[taken] - 20 * little, now, taken, near
 
 
 _, moment, taken, nearest = max(choices(), key=lambda one: one[0])
@@ -597,17 +598,17 @@ lettered = dict(zip("ABC", (nearest, taken, third), strict=True))
 
 def choice_picture(chosen=None):
     """The graph at that moment, with three letters and scores."""
-    picture = np.full_like(near_view.base, 255)
+    picture = np.full_like(wide_view.base, 255)
     hung = [(node, place, score) for node, _, place, score in ghosts]
-    draw_ghost_graph(near_view, picture, moment.nodes, moment.edges, hung, chosen)
-    near_view.arrow(picture, moment.believed, colours.ROBOT, 11)
+    draw_ghost_graph(wide_view, picture, moment.nodes, moment.edges, hung, chosen)
+    wide_view.arrow(picture, moment.believed, colours.ROBOT, 11)
     for name, i in lettered.items():
         node, _, place, score = ghosts[i]
         ahead = (place - moment.nodes[node, :2]) / np.linalg.norm(place - moment.nodes[node, :2])
-        x, y = near_view.pixels(place) + 44 * ahead * [1, -1] + [-30, 6]
+        x, y = wide_view.pixels(place) + 44 * ahead * [1, -1] + [-30, 6]
         label(picture, f"{name}  {score:.2f}", round(x), round(y))
     places = np.concatenate([moment.nodes[:, :2], [ghost[2] for ghost in ghosts]])
-    return closeup(near_view, picture, places, 2.0)
+    return closeup(wide_view, picture, places, 2.0)
 
 
 where = Prediction(
@@ -630,7 +631,7 @@ display(where)
 #
 # $$ \text{long-term goal} = \begin{cases} \text{the node of the goal} & \text{if } \mathcal F_L \text{ finds it,}\\ \arg\max_{x \in X} s(x) & \text{otherwise.} \end{cases} $$
 #
-# Dijkstra's algorithm finds the shortest path over the graph, and the robot drives to the next node on it. From the ghost's node it drives to the ghost.
+# Dijkstra's algorithm finds the shortest path over the graph, and the robot drives to the next node on it. From the ghost's node it drives to the ghost. So of the order of the scores only the first place counts.
 #
 # So a ghost at the other end of the building with 0.71 wins against one ahead with 0.70. Later work, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), adds the cost of the path. With $\ell$ the metres along the graph to the ghost's node,
 #
@@ -1114,7 +1115,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good scores, quite different; enter yours first</summary>
-# <i>Count the metres, and let the spares compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the price of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: to turn round costs up to 18 actions, and a robot that follows every small difference of two scores goes to and fro. Both lead, by a few points on forty goals. In other buildings the order may change; that's why the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a> says of the first half of the first one that it changes nothing measurable.
+# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the price of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: to turn round costs up to 18 actions, and a robot that follows every small difference of two scores goes to and fro. Both lead, by a few points on forty goals. In other buildings the order may change; that's why the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a> says of the first half of the first one that it changes nothing measurable.
 # </details>
 #
 # ## 9 · How it ends
