@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.walls import match_walls
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
@@ -35,6 +36,8 @@ class NTSSettings:
         directions: of each node, as many as the model has; 12 in the paper.
         radius: metres from a node to its ghosts, as of the model's; 3 in the paper.
         localisation: how a robot finds itself in its graph.
+        closes_loops: walls say where a robot is in its node, so that drift does not add up (beyond
+            the paper).
         search: how the goal is noticed.
     """
 
@@ -45,11 +48,13 @@ class NTSSettings:
     directions: int = DIRECTIONS
     radius: float = RADIUS
     localisation: Localisation = field(default_factory=Localisation)
+    closes_loops: bool = False
     search: SearchSettings = field(default_factory=SearchSettings)
 
     def __post_init__(self) -> None:
         flag("use_graph", self.use_graph)
         flag("use_score", self.use_score)
+        flag("closes_loops", self.closes_loops)
         floats("same_node", self.same_node, (), least=0.0)
         floats("explorable", self.explorable, (), least=0.0)
         whole("directions", self.directions, least=1, most=10_000)
@@ -78,9 +83,9 @@ class NTSAgent:
         settings = NTSSettings() if settings is None else settings
         self._settings = instance("settings", settings, NTSSettings)
         chosen = self._settings
-        self._update = GraphUpdate(
-            model, chosen.same_node, chosen.explorable, chosen.radius, chosen.localisation
-        )
+        matcher = match_walls if chosen.closes_loops else None
+        rules = chosen.radius, chosen.localisation, matcher
+        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable, *rules)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
@@ -103,7 +108,7 @@ class NTSAgent:
             if robot.memory.features and self._settings.use_graph:
                 nodes = np.array(robot.memory.features)
                 robot.scores = list(self._scores(nodes, np.full(len(nodes), number)))
-                robot.go_to(self._remembered(nodes, self.search.goals[number]))
+                robot.go_to(self._recalled(number))
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
         """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
@@ -214,11 +219,10 @@ class NTSAgent:
             return np.array(drawn).reshape(len(robots), count)
         return self._model.scores(features, self.search.goals[robots])
 
-    def _remembered(
-        self, nodes: NDArray[np.float32], goal: NDArray[np.float32]
-    ) -> Destination | None:
+    def _recalled(self, number: int) -> Destination | None:
         """The place of a goal that is visible from a node of the graph; None if from no node."""
-        goals = np.repeat(goal[None], len(nodes), axis=0)
+        nodes = np.array(self.robots[number].memory.features)
+        goals = np.repeat(self.search.goals[[number]], len(nodes), axis=0)
         likely = self._model.same_node(nodes, goals)
         best = int(likely.argmax())
         if likely[best] < self._settings.search.visible:

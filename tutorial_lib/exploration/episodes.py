@@ -129,14 +129,21 @@ def draw_episodes(
     return Episodes((world,) * len(rows), starts, goals, shortest, names)
 
 
-def draw_sequence(scene: Scene, goals: Array, count: int, rng: np.random.Generator) -> Array:
+def draw_sequence(
+    scene: Scene,
+    goals: Array,
+    count: int,
+    rng: np.random.Generator,
+    metres: tuple[float, float] = SEQUENTIAL,
+) -> Array:
     """Sequential goals (count, N, 3): the first are given, each other lies near the one before.
 
     Args:
         scene: the world of all.
         goals: (N, 3) the first ones.
         count: of goals for each robot, the first included.
-        rng: draws the others, `SEQUENTIAL` geodesic metres away.
+        rng: draws the others.
+        metres: geodesic, from and up to which a goal is away from the one before.
 
     Raises:
         InputError: when there is no such place.
@@ -144,9 +151,10 @@ def draw_sequence(scene: Scene, goals: Array, count: int, rng: np.random.Generat
     _check_drawn(scene, rng)
     goals = floats("goals", goals, ("N", 3), empty=False)
     whole("count", count, least=1, most=_MOST)
-    places, chain = _Places(scene), [goals]
+    low, high = floats("metres", metres, (2,), least=0.0).tolist()
+    places, bounds, chain = _Places(scene), (low, high), [goals]
     for _ in range(count - 1):
-        chain.append(np.array([places.near(goal, SEQUENTIAL, rng) for goal in chain[-1]]))
+        chain.append(np.array([places.near(goal, bounds, rng) for goal in chain[-1]]))
     return np.stack(chain)
 
 

@@ -180,6 +180,12 @@ class ExplorationTask:
         self._goals, self._shortest = goals, shortest
         self._begin()
 
+    def carry(self, poses: Array) -> None:
+        """Put all robots down elsewhere, at poses (N, 3); their odometry does not notice."""
+        self.poses = floats("poses", poses, (len(self), 3)).copy()
+        self._stale[:] = True
+        self.path.append(self.poses)
+
     def _move(self, scene: Scene, rows: NDArray[np.intp], motions: Array) -> None:
         segments, radius = scene.plan.segments, DifferentialDrive.radius
         self.poses[rows], stopped = move(self.poses[rows], motions[rows], segments, radius)

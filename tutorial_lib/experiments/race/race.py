@@ -1,0 +1,231 @@
+"""Ten visits: every system over the life of a robot in one building (beyond the papers).
+
+A life is ten goals, one after another, from where the robot stands; nothing ever corrects its
+odometry but itself. In some lives somebody carries the robot elsewhere before a visit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.explorers import check_shipped, shipped
+from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
+from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS
+from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
+from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import SequentialExplorer
+from tutorial_lib.parallel import for_each
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.worlds import scene_of
+
+WORLDS = tuple(range(20_000, 20_010))
+VALIDATION = tuple(range(10_000, 10_010))
+APART = (5.0, 10.0)
+"""Metres from one goal to the next."""
+PASSED, MISSED = 1.0, 2.0
+"""Metres up to which a goal was passed on earlier visits, and from which on it was not."""
+_AROUND = 1.5  # times as long may the path to a place be that was passed: no wall is between
+PARTS = {"1-3": slice(0, 3), "8-10": slice(7, 10), "1-10": slice(0, 10)}
+"""Visits of a row."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the race.
+
+    Attributes:
+        agents: of `RUNNERS`, the one first to which the others are compared.
+        lives: in each world.
+        visits: of each life.
+        carried: visits before which a robot is carried elsewhere.
+        odometry: "drifting" or "exact", or both.
+    """
+
+    agents: tuple[str, ...] = FIELD
+    lives: int = 3
+    visits: int = 10
+    carried: tuple[int, ...] = ()
+    odometry: tuple[str, ...] = ("drifting", "exact")
+
+
+@dataclass(frozen=True, eq=False)
+class Life:
+    """What became of one agent's lives in one world, all arrays (visits, lives).
+
+    Attributes:
+        success: whether the robot stopped at its goal.
+        spl: the same, weighted by path length.
+        steps: actions.
+        near: metres from the goal that it had passed before, at least; infinite on the first visit.
+        drift: degrees that its odometry's heading is off at the end of a visit.
+    """
+
+    success: Array
+    spl: Array
+    steps: Array
+    near: Array
+    drift: Array
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Run all agents through the same lives.
+
+    Raises:
+        InputError: where weights are missing, before anything is run.
+    """
+    check_shipped(("nts", "ans_like", "il"), "rgbd")
+    items = [
+        (world, agent, odometry)
+        for odometry in settings.odometry
+        for world in options.worlds
+        for agent in settings.agents
+    ]
+    found = dict(
+        zip(items, for_each(run_life, items, options, settings, label="race"), strict=True)
+    )
+    rows: Rows = []
+    for odometry in settings.odometry:
+        lives = {
+            agent: [found[world, agent, odometry] for world in options.worlds]
+            for agent in settings.agents
+        }
+        first = lives[settings.agents[0]]
+        for agent, mine in lives.items():
+            rows += [
+                {"agent": agent, "odometry": odometry, "visits": visits, **cells}
+                for visits, part in PARTS.items()
+                if len(mine[0].success[part])
+                for cells in [_cells(mine, first, part, options.worlds)]
+            ]
+    return rows, [
+        "passed: goals within 1 m of where the robot had been; missed: farther than 2 m",
+        f"gap: of {settings.agents[0]} to the agent, in the same lives",
+        "drift: degrees of heading by which odometry is off at the end of the last visit",
+    ]
+
+
+def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -> Life:
+    """One agent's lives in one world."""
+    seed, agent, odometry = item
+    name = exploration_world(seed, "plain", options.palette)
+    scene = scene_of(name)
+    goals, carries = draw_lives(scene, settings, np.random.default_rng([options.seed, seed]))
+    noise, own = (np.random.default_rng([options.seed, seed, i]) for i in (1, 2))
+    starts = carries[0]
+    lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
+    blank = ("",) * settings.lives
+    episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
+    task = ExplorationTask({name: scene}, episodes, noise, noise=odometry == "drifting")
+    runner = RUNNERS[agent](task, shipped("nts", "rgbd"), own)
+    return live(task, runner, goals, {v: carries[v] for v in settings.carried}, scene)
+
+
+def draw_lives(scene: Scene, settings: Settings, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Goals (V, N, 3), and poses (V, N, 3) to which robots may be carried; they start at the first.
+
+    Each goal is `APART` from the one before, and so is each place from the goal of its visit.
+    """
+    count = settings.lives
+    points = GridPaths(scene.clearance)
+    free = points.points[points.largest]
+    drawn = free[rng.integers(len(free), size=count)]
+    first = np.column_stack([drawn, rng.uniform(-np.pi, np.pi, count)])
+    chain = draw_sequence(scene, first, settings.visits + 1, rng, APART)
+    goals = chain[1:]
+    carries = np.stack([draw_sequence(scene, one, 2, rng, APART)[1] for one in goals])
+    carries[0] = first
+    return goals, carries
+
+
+def live(
+    task: ExplorationTask,
+    agent: SequentialExplorer,
+    goals: Array,
+    carries: dict[int, Array],
+    scene: Scene,
+) -> Life:
+    """Let an agent look for goals (V, N, 3) one after another, carried before some of them."""
+    paths, columns = GridPaths(scene.clearance), []
+    agent.start(task.goals())
+    for visit, poses in enumerate(goals):
+        before = np.stack(task.path)
+        if visit in carries:
+            task.carry(carries[visit])
+        if visit:
+            task.next_goals(poses)
+            agent.look_for(task.goals())
+        near = _nearest(paths, before if visit else before[:0], poses)
+        while not task.done.all():
+            task.step(agent.act(task.observe(), ~task.done))
+        off = task.odometry[:, 2] - (task.poses[:, 2] - task.path[0][:, 2])
+        drift = np.rad2deg(np.abs((off + np.pi) % (2 * np.pi) - np.pi))
+        columns.append((task.success, task.spl, task.steps, near, drift))
+    return Life(*(np.array(column, float) for column in zip(*columns, strict=True)))
+
+
+def _nearest(paths: GridPaths, tracks: Array, goals: Array) -> Array:
+    """Metres (N,) from goals (N, 3) to what robots passed, (T, N, 3); infinite behind a wall."""
+    near = np.full(len(goals), np.inf)
+    for robot in range(len(goals) if len(tracks) else 0):
+        gaps = np.linalg.norm(tracks[:, robot, :2] - goals[robot, :2], axis=1)
+        best = int(gaps.argmin())
+        (metres,) = paths.between(tracks[best, robot, None, :2], goals[robot, None, :2])
+        near[robot] = gaps[best] if metres <= max(_AROUND * gaps[best], PASSED) else np.inf
+    return near
+
+
+def _cells(
+    mine: list[Life], first: list[Life], part: slice, worlds: tuple[int, ...]
+) -> dict[str, Any]:
+    """An agent's visits of one part of its lives."""
+
+    def column(lives: list[Life], name: str) -> Array:
+        return np.concatenate([getattr(life, name)[part].ravel() for life in lives])
+
+    where: NDArray = np.repeat(worlds, [life.success[part].size for life in mine])
+    success, near = column(mine, "success"), column(mine, "near")
+    row: dict[str, Any] = {"goals": len(success)}
+    row |= dict(zip(("success", "low", "high"), over_worlds(success, where), strict=True))
+    row |= {"spl": float(column(mine, "spl").mean()), "steps": float(column(mine, "steps").mean())}
+    for name, there in (("passed", near <= PASSED), ("missed", near > MISSED)):
+        row[f"{name}_goals"] = int(there.sum())
+        row[name] = float(success[there].mean()) if there.any() else None
+        row[f"{name}_spl"] = float(column(mine, "spl")[there].mean()) if there.any() else None
+    gap = difference(column(first, "success"), success, where)
+    row |= dict(zip(("gap", "gap_low", "gap_high"), gap, strict=True))
+    return row | {"drift": float(np.mean([life.drift[-1] for life in mine]))}
+
+
+_CARRIED = Experiment(
+    "race_carried",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(("combined", "nts_closing", "nts_forgets"), carried=(3, 6), odometry=("drifting",)),
+)
+_INGREDIENTS = Experiment(
+    "race_ingredients",
+    run,
+    VALIDATION,
+    VALIDATION[:4],
+    Settings(INGREDIENTS, odometry=("drifting",)),
+)
+EXPERIMENT = Experiment(
+    "race",
+    run,
+    WORLDS,
+    WORLDS[:3],
+    Settings(),
+    quick_settings=Settings(lives=2, odometry=("drifting",)),
+    canary=Settings(("combined", "nts"), 1, 2, odometry=("drifting",)),
+    accepts=frozenset({"palette"}),
+    ablations={"carried": _CARRIED, "ingredients": _INGREDIENTS},
+)
