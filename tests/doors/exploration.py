@@ -111,6 +111,10 @@ DOORS = {
         limit=whole(5, least=1),
         stops_itself=flag(True),
     ),
+    "ExplorationTask.carry": lambda: call(
+        task().carry,
+        poses=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty"),
+    ),
     "ExplorationTask.next_goals": lambda: call(
         task().next_goals,
         goals=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty", either="bool, huge"),
@@ -131,6 +135,13 @@ DOORS = {
         directions=whole(12, least=1),
         radius=number(3.0, least=0),
     ),
+    "GhostGraph.absorb": lambda: call(
+        graph().absorb,
+        other=a(graph()),
+        node=whole(0, least=0, most=1),
+        theirs=whole(1, least=0, most=1),
+        pose=floats([4.0, 0.0, 0.0], (3,)),
+    ),
     "GhostGraph.add_node": lambda: call(
         graph().add_node,
         explorable=flags([True, False, True, False], ("K",), refuses="longer K, shorter K, empty"),
@@ -145,6 +156,7 @@ DOORS = {
         second=whole(1, least=0, most=1),
         pose=floats([4.0, 0.0, 0.0], (3,)),
     ),
+    "GhostGraph.metres_from": lambda: call(graph().metres_from, node=node()),
     "GhostGraph.path": lambda: call(graph().path, start=node(), end=node(1)),
     "GhostGraph.place_of": lambda: call(graph().place_of, ghost=a(GHOST)),
     "GhostGraph.poses_from": lambda: call(graph().poses_from, node=node()),
@@ -225,6 +237,7 @@ DOORS = {
         goals=floats(GOALS, ("N", 3), empty=False, either="huge, bool, negative"),
         count=whole(2, least=1, most=10**6),
         rng=a(np.random.default_rng(0)),
+        metres=floats([1.5, 5.0], (2,), least=0, either="huge, bool"),
     ),
     "exploration_world": lambda: call(
         exploration.exploration_world,

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from tutorial_lib.se2 import Array
-from tutorial_lib.topology.mapping.scan_matching import agreement, likely_rotations, match_scans
+from tutorial_lib.se2 import Array, relative, wrap
+from tutorial_lib.topology.mapping.scan_matching import likely_rotations, match_scans
 
 AGREE = 0.85
 """Share of the points that either panorama must confirm. On validation worlds three pairs of four
 reach it, of which 97 to 100 % are within 0.3 m and 10 degrees."""
 _APART = 1.5  # metres from where the robot seems to be, at most
+_STEP, _TURN = 0.4, 0.3  # metres and rad by which odometry is wrong from one look to the next
 _ROTATIONS = 2  # that are tried beside the heading by odometry
 
 
@@ -41,17 +42,20 @@ def match_all_around(
 
 
 def goes_on(before: Array, ranges: Array, motions: Array) -> Array:
-    """The share (M,) of what robots see that fits to what they saw before, by odometry.
+    """The share (M,) of what robots see that fits to what they saw before, near their odometry.
+
+    On validation worlds it is above 0.95 for 999 looks of 1,000, and below 0.54 for 99 of 100
+    robots that were carried elsewhere.
 
     Args:
         before: (M, W) metres in each column, a moment ago.
         ranges: (M, W) now.
         motions: (M, 3) of the robots since then.
-
-    Returns:
-        0 to 1; 0 where nothing can be compared, as when somebody carried the robot away.
     """
-    return np.nan_to_num(agreement(_scans(before), _scans(ranges), motions))
+    poses, shares = match_scans(_scans(before), _scans(ranges), motions[:, None])
+    gaps = relative(motions, poses)
+    near = (np.hypot(gaps[:, 0], gaps[:, 1]) < _STEP) & (np.abs(wrap(gaps[:, 2])) < _TURN)
+    return np.where(near, np.nan_to_num(shares), 0.0)
 
 
 def _scans(ranges: Array) -> Array:

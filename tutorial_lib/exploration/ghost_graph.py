@@ -162,8 +162,16 @@ class GhostGraph:
 
         Returns:
             By how much the numbers of the other's nodes rose.
+
+        Raises:
+            InputError: when a graph has no such node, or they have not as many directions.
         """
-        shift = len(self)
+        instance("other", other, GhostGraph)
+        if other.directions != self.directions:
+            raise InputError(f"other: {other.directions} directions; give {self.directions}")
+        node = self._node("node", node)
+        theirs = whole("theirs", theirs, least=0, most=len(other) - 1)
+        pose, shift = floats("pose", pose, (3,)), len(self)
         self.edges += [{k + shift: v for k, v in edges.items()} for edges in other.edges]
         self.ranges += other.ranges
         for mine, more in ((self.ghosts, other.ghosts), (self.reserve, other.reserve)):

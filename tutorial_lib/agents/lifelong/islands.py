@@ -13,7 +13,7 @@ from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.se2 import Array, compose, inverse, relative, wrap
 
-_GOES_ON = 0.5  # share of what is seen that must fit to what was seen before
+_GOES_ON = 0.75  # share of what is seen that must fit to what was seen before
 _AGREE = 0.9  # share of the points that a panorama and a known node's must confirm
 _TRIED = 6  # nodes of an island whose walls are compared with what is seen
 _NEAR, _TURNED = 0.5, float(np.deg2rad(15.0))  # between what two looks say of one place
