@@ -152,6 +152,8 @@ def draw_sequence(
     goals = floats("goals", goals, ("N", 3), empty=False)
     whole("count", count, least=1, most=_MOST)
     low, high = floats("metres", metres, (2,), least=0.0).tolist()
+    if not low < high:
+        raise InputError(f"metres: {low:g} to {high:g}; give the lower first")
     places, bounds, chain = _Places(scene), (low, high), [goals]
     for _ in range(count - 1):
         chain.append(np.array([places.near(goal, bounds, rng) for goal in chain[-1]]))
