@@ -6,7 +6,7 @@ odometry but itself. In some lives somebody carries the robot elsewhere before a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
-from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS
+from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, OWN, RUNNERS, own_runner
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
@@ -82,6 +82,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         InputError: where weights are missing, before anything is run.
     """
     check_shipped(("nts", "ans_like", "il"), "rgbd")
+    own = (OWN,) if options.agent else ()
+    settings = replace(settings, agents=(*settings.agents, *own))
     items = [
         (world, agent, odometry)
         for odometry in settings.odometry
@@ -124,7 +126,10 @@ def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -
     blank = ("",) * settings.lives
     episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
     task = ExplorationTask({name: scene}, episodes, noise, noise=odometry == "drifting")
-    runner = RUNNERS[agent](task, shipped("nts", "rgbd"), own)
+    if agent == OWN:
+        runner = own_runner(options.agent)
+    else:
+        runner = RUNNERS[agent](task, shipped("nts", "rgbd"), own)
     return live(task, runner, goals, {v: carries[v] for v in settings.carried}, scene)
 
 
@@ -226,6 +231,6 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(lives=2, odometry=("drifting",)),
     canary=Settings(("combined", "nts"), 1, 2, odometry=("drifting",)),
-    accepts=frozenset({"palette"}),
+    accepts=frozenset({"palette", "agent"}),
     ablations={"carried": _CARRIED, "ingredients": _INGREDIENTS},
 )

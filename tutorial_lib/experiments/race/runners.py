@@ -12,7 +12,7 @@ from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.scan_corrected import ScanCorrected
-from tutorial_lib.experiments.common.explorers import make_explorer, shipped
+from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer, shipped
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.interfaces import ExplorationModel, SequentialExplorer
 
@@ -69,9 +69,21 @@ RUNNERS: Mapping[str, Maker] = {
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
 }
+OWN = "custom"
+"""The row of the user's own agent."""
 INGREDIENTS = ("combined", "no_closing", "no_looks", "no_travel", "no_relocating", "nts")
 """The combined agent without one of its parts each, and without all of them."""
 FIELD = (
     *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
     *("ans_like", "fbe_recalls", "fbe", "il_forgets", "random_forgets", "oracle"),
 )
+
+
+def own_runner(where: str) -> SequentialExplorer:
+    """The user's own agent from "FILE.py:CLASS"; one that takes one goal only begins anew.
+
+    Raises:
+        InputError: as `own_explorer` does.
+    """
+    agent = own_explorer(where)
+    return agent if isinstance(agent, SequentialExplorer) else Forgetting(agent)
