@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.walls import match_walls
+from tutorial_lib.agents.walls import match_near
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import SequentialExplorer
 from tutorial_lib.observation import Observation
@@ -15,7 +15,8 @@ from tutorial_lib.se2 import Array, compose, relative, wrap
 from tutorial_lib.validation import with_methods
 
 _MOVED, _TURNED = 0.5, float(np.deg2rad(40.0))  # since the last match, from which walls are asked
-_APART = 1.5  # metres from the nearest panorama that is kept, beyond which another one is
+_APART = 1.0  # metres from the nearest panorama that is kept, beyond which another one is
+_ASKED, _SIGHT = 3, 2.5  # panoramas that are asked at most, and metres up to which they are
 
 
 @dataclass(eq=False)
@@ -62,19 +63,23 @@ class ScanCorrected:
     def _corrected(self, track: _Track, odometry: Array, ranges: Array) -> Array:
         """The pose (3,) of a robot, by odometry since the last match."""
         track.pose = compose(track.pose, relative(track.odometry, odometry))
-        track.odometry = odometry
+        track.odometry = odometry.copy()  # the caller writes into its rows
         gap = track.pose - track.matched
         if np.linalg.norm(gap[:2]) < _MOVED and abs(wrap(gap[2])) < _TURNED:
             return track.pose
+        places = np.array(track.places).reshape(-1, 3)
+        metres = np.linalg.norm(places[:, :2] - track.pose[:2], axis=1)
+        near = np.argsort(metres, kind="stable")[:_ASKED]
+        near = near[metres[near] < _SIGHT]
+        if len(near):
+            around = np.repeat(ranges[None], len(near), axis=0)
+            kept = np.stack([track.ranges[place] for place in near.tolist()])
+            poses = match_near(kept, around, relative(places[near], track.pose))
+            found = np.flatnonzero(np.isfinite(poses[:, 0]))
+            if len(found):
+                track.pose = compose(places[near[found[0]]], poses[found[0]])
         track.matched = track.pose
-        metres = [float(np.linalg.norm(place[:2] - track.pose[:2])) for place in track.places]
-        near = int(np.argmin(metres)) if metres else -1
-        if not metres or metres[near] > _APART:
+        if not (metres < _APART).any():
             track.places.append(track.pose)
             track.ranges.append(ranges)
-            return track.pose
-        guess = relative(track.places[near], track.pose)
-        (pose,) = match_walls(track.ranges[near][None], ranges[None], guess[None])
-        if np.isfinite(pose).all():
-            track.pose = track.matched = compose(track.places[near], pose)
         return track.pose

@@ -7,6 +7,7 @@ do: turned until their distances correlate, then moved until walls lie on walls.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.se2 import Array, relative, wrap
 from tutorial_lib.topology.mapping.scan_matching import likely_rotations, match_scans
@@ -22,9 +23,13 @@ _ROTATIONS = 2  # that are tried beside the heading by odometry
 def match_walls(nodes: Array, ranges: Array, guesses: Array) -> Array:
     """A `ScanMatcher`: poses (M, 3) of robots in the frames of nodes.
 
-    A row is not a number where walls do not agree, or lie too far from the guess.
+    The heading by odometry is tried first: a corridor looks the same both ways. A row is not a
+    number where walls do not agree, or lie too far from the guess.
     """
-    return match_all_around(nodes, ranges, guesses, AGREE)[0]
+    found = match_near(nodes, ranges, guesses)
+    rest = np.flatnonzero(np.isnan(found[:, 0]))
+    found[rest] = match_all_around(nodes[rest], ranges[rest], guesses[rest], AGREE)[0]
+    return found
 
 
 def match_all_around(
@@ -36,9 +41,21 @@ def match_all_around(
     for row, (one, other) in enumerate(zip(first, second, strict=True)):
         starts[row, 1:, 2] = likely_rotations(one[None], other[None], 0.0, _ROTATIONS)[1][0, 0]
     poses, shares = match_scans(first, second, starts)
-    off = np.linalg.norm(poses[:, :2] - guesses[:, :2], axis=1)
-    fits = (shares >= least) & (off < _APART)
+    fits = (shares >= least) & _near(guesses, poses, _APART, np.inf)
     return np.where(fits[:, None], poses, np.nan), shares
+
+
+def _near(guesses: Array, poses: Array, metres: float, turn: float) -> NDArray[np.bool_]:
+    """(M,) whether poses are that near to what was guessed."""
+    gaps = relative(guesses, poses)
+    return (np.hypot(gaps[:, 0], gaps[:, 1]) < metres) & (np.abs(wrap(gaps[:, 2])) < turn)
+
+
+def match_near(nodes: Array, ranges: Array, guesses: Array) -> Array:
+    """Poses (M, 3) of robots that have hardly drifted; not a number where walls do not agree."""
+    poses, shares = match_scans(_scans(nodes), _scans(ranges), guesses[:, None])
+    fits = (shares >= AGREE) & _near(guesses, poses, _STEP, _TURN)
+    return np.where(fits[:, None], poses, np.nan)
 
 
 def goes_on(before: Array, ranges: Array, motions: Array) -> Array:
@@ -53,9 +70,7 @@ def goes_on(before: Array, ranges: Array, motions: Array) -> Array:
         motions: (M, 3) of the robots since then.
     """
     poses, shares = match_scans(_scans(before), _scans(ranges), motions[:, None])
-    gaps = relative(motions, poses)
-    near = (np.hypot(gaps[:, 0], gaps[:, 1]) < _STEP) & (np.abs(wrap(gaps[:, 2])) < _TURN)
-    return np.where(near, np.nan_to_num(shares), 0.0)
+    return np.where(_near(motions, poses, _STEP, _TURN), np.nan_to_num(shares), 0.0)
 
 
 def _scans(ranges: Array) -> Array:

@@ -240,7 +240,8 @@ class GraphUpdate:
             best = mine[likely[mine].argmax()]
             if likely[best] >= self._same:
                 place = metres[best] * np.array([np.cos(bearing[best]), np.sin(bearing[best])])
-                self._enter(*pairs[best], place, ranges[row])
+                memory, node = pairs[best]
+                self._enter(memory, node, place, ranges[row])
                 entered[row] = True
         return entered
 

@@ -15,14 +15,17 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.own import CUSTOM, or_fault
+from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
-from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, OWN, RUNNERS, own_runner
+from tutorial_lib.experiments.race.relocations import Relocations
+from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, own_runner
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import SequentialExplorer
 from tutorial_lib.parallel import for_each
+from tutorial_lib.se2 import wrap
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of
 
@@ -33,6 +36,10 @@ APART = (5.0, 10.0)
 PASSED, MISSED = 1.0, 2.0
 """Metres up to which a goal was passed on earlier visits, and from which on it was not."""
 _AROUND = 1.5  # times as long may the path to a place be that was passed: no wall is between
+SOON = 40
+"""Actions, of half a second, in which a robot should find itself again."""
+WRONG = 1.0
+"""Metres by which it is wrong then, from which it found itself elsewhere."""
 PARTS = {"1-3": slice(0, 3), "8-10": slice(7, 10), "1-10": slice(0, 10)}
 """Visits of a row."""
 
@@ -66,6 +73,10 @@ class Life:
         steps: actions.
         near: metres from the goal that it had passed before, at least; infinite on the first visit.
         drift: degrees that its odometry's heading is off at the end of a visit.
+        again: actions after a carry until the robot joins its graphs; infinite where it does not,
+            not a number where nobody carried it.
+        wrong: metres by which it is wrong then.
+        strange: metres from where it was put down to where it had been.
     """
 
     success: Array
@@ -73,6 +84,9 @@ class Life:
     steps: Array
     near: Array
     drift: Array
+    again: Array
+    wrong: Array
+    strange: Array
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
@@ -82,7 +96,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         InputError: where weights are missing, before anything is run.
     """
     check_shipped(("nts", "ans_like", "il"), "rgbd")
-    own = (OWN,) if options.agent else ()
+    own = (CUSTOM,) if options.agent else ()
     settings = replace(settings, agents=(*settings.agents, *own))
     items = [
         (world, agent, odometry)
@@ -94,28 +108,29 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         zip(items, for_each(run_life, items, options, settings, label="race"), strict=True)
     )
     rows: Rows = []
+    faults: list[str] = []
     for odometry in settings.odometry:
-        lives = {
-            agent: [found[world, agent, odometry] for world in options.worlds]
-            for agent in settings.agents
-        }
-        first = lives[settings.agents[0]]
-        for agent, mine in lives.items():
+        first = [found[world, settings.agents[0], odometry] for world in options.worlds]
+        for agent in settings.agents:
+            mine = [found[world, agent, odometry] for world in options.worlds]
+            failed = [life for life in mine if isinstance(life, Fault)]
+            faults += failed[:1]
             rows += [
-                {"agent": agent, "odometry": odometry, "visits": visits, **cells}
+                {"agent": agent, "odometry": odometry, "visits": visits}
+                | _cells(mine, first, part, options.worlds)
                 for visits, part in PARTS.items()
-                if len(mine[0].success[part])
-                for cells in [_cells(mine, first, part, options.worlds)]
+                if not failed and len(mine[0].success[part])
             ]
     return rows, [
+        *faults,
         "passed: goals within 1 m of where the robot had been; missed: farther than 2 m",
         f"gap: of {settings.agents[0]} to the agent, in the same lives",
         "drift: degrees of heading by which odometry is off at the end of the last visit",
     ]
 
 
-def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -> Life:
-    """One agent's lives in one world."""
+def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -> Life | Fault:
+    """One agent's lives in one world; of the user's own agent also how it failed."""
     seed, agent, odometry = item
     name = exploration_world(seed, "plain", options.palette)
     scene = scene_of(name)
@@ -126,11 +141,13 @@ def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -
     blank = ("",) * settings.lives
     episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
     task = ExplorationTask({name: scene}, episodes, noise, noise=odometry == "drifting")
-    if agent == OWN:
-        runner = own_runner(options.agent)
-    else:
-        runner = RUNNERS[agent](task, shipped("nts", "rgbd"), own)
-    return live(task, runner, goals, {v: carries[v] for v in settings.carried}, scene)
+    carried = {visit: carries[visit] for visit in settings.carried}
+    if agent == CUSTOM:
+        return or_fault(
+            options.agent,
+            lambda: live(task, own_runner(options.agent), goals, carried, scene),
+        )
+    return live(task, RUNNERS[agent](task, shipped("nts", "rgbd"), own), goals, carried, scene)
 
 
 def draw_lives(scene: Scene, settings: Settings, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -158,21 +175,26 @@ def live(
     scene: Scene,
 ) -> Life:
     """Let an agent look for goals (V, N, 3) one after another, carried before some of them."""
-    paths, columns = GridPaths(scene.clearance), []
+    paths, columns, watch = GridPaths(scene.clearance), [], Relocations(task, agent)
     agent.start(task.goals())
     for visit, poses in enumerate(goals):
         before = np.stack(task.path)
+        strange = np.full(len(task), np.nan)
         if visit in carries:
             task.carry(carries[visit])
+            strange = np.linalg.norm(before[:, :, :2] - task.poses[:, :2], axis=2).min(axis=0)
+        watch.begin(carried=visit in carries)
         if visit:
             task.next_goals(poses)
             agent.look_for(task.goals())
         near = _nearest(paths, before if visit else before[:0], poses)
         while not task.done.all():
-            task.step(agent.act(task.observe(), ~task.done))
-        off = task.odometry[:, 2] - (task.poses[:, 2] - task.path[0][:, 2])
-        drift = np.rad2deg(np.abs((off + np.pi) % (2 * np.pi) - np.pi))
-        columns.append((task.success, task.spl, task.steps, near, drift))
+            actions = agent.act(task.observe(), ~task.done)
+            watch.look()
+            task.step(actions)
+        off = wrap(task.odometry[:, 2] - (task.poses[:, 2] - task.path[0][:, 2]))
+        seen = near, np.rad2deg(np.abs(off)), watch.again, watch.wrong, strange
+        columns.append((task.success, task.spl, task.steps, *seen))
     return Life(*(np.array(column, float) for column in zip(*columns, strict=True)))
 
 
@@ -206,7 +228,21 @@ def _cells(
         row[f"{name}_spl"] = float(column(mine, "spl")[there].mean()) if there.any() else None
     gap = difference(column(first, "success"), success, where)
     row |= dict(zip(("gap", "gap_low", "gap_high"), gap, strict=True))
-    return row | {"drift": float(np.mean([life.drift[-1] for life in mine]))}
+    row |= {"drift": float(np.mean([life.drift[-1] for life in mine]))}
+    return row | _relocated(column(mine, "again"), column(mine, "wrong"), column(mine, "strange"))
+
+
+def _relocated(again: Array, wrong: Array, strange: Array) -> dict[str, Any]:
+    """How often a robot that was carried found itself again, and how often wrongly."""
+    carried = np.isfinite(strange)
+    if not carried.any():
+        return {}
+    row: dict[str, Any] = {"carried": int(carried.sum())}
+    row["again"] = float((again[carried] <= SOON).mean())
+    known = carried & (strange <= MISSED)
+    row |= {"carried_known": int(known.sum()), "again_known": float((again[known] <= SOON).mean())}
+    joined = carried & np.isfinite(again)
+    return row | {"again_wrong": float((wrong[joined] > WRONG).mean()) if joined.any() else None}
 
 
 _CARRIED = Experiment(

@@ -64,13 +64,13 @@ RUNNERS: Mapping[str, Maker] = {
     "fbe_recalls": _frontier(recalls=True),
     "ans_like": _frontier("ans_like"),
     "ans_recalls": _frontier("ans_like", recalls=True),
+    "combined_corrected": _corrected(_lifelong()),
+    "nts_corrected": _corrected(lambda task, model, rng: NTSAgent(model, rng)),
     "ans_corrected": _corrected(_frontier("ans_like", recalls=True)),
     "il_forgets": _forgetting("il"),
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
 }
-OWN = "custom"
-"""The row of the user's own agent."""
 INGREDIENTS = ("combined", "no_closing", "no_looks", "no_travel", "no_relocating", "nts")
 """The combined agent without one of its parts each, and without all of them."""
 FIELD = (
