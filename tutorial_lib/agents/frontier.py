@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.looks import Looks, Sight, not_at
+from tutorial_lib.agents.looks import Looks, not_at
 from tutorial_lib.exploration.frontier import (
     CROP,
     SIDE,
@@ -83,7 +83,7 @@ class FrontierAgent:
         self._targets, self._left = np.full((count, 2), np.nan), np.zeros(count)
         self._returns, self._streams = np.zeros(count, bool), self._rng.spawn(count)
         self.looks = [Looks() for _ in range(count)]
-        self._sights: list[list[Sight]] = [[] for _ in range(count)]
+        self._sights = [np.zeros((0, 2))] * count
 
     def look_for(self, goals: Observation) -> None:
         """Go on to other goals (N,), and keep the maps."""
@@ -92,7 +92,7 @@ class FrontierAgent:
         if self._recalls:
             least = self._settings.visible
             rows = zip(self.looks, self.search.goals, strict=True)
-            self._sights = [looks.of(self._model, goal, least) for looks, goal in rows]
+            self._sights = [looks.places(self._model, goal, least) for looks, goal in rows]
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
         """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
@@ -100,7 +100,7 @@ class FrontierAgent:
         if self._recalls:
             rows = zip(sensed.looking.tolist(), sensed.features, strict=True)
             for row, features in rows:
-                self.looks[sensed.robots[row]].keep(0, sensed.odometry[row], features)
+                self.looks[sensed.robots[row]].keep(sensed.odometry[row], features)
         due = self._due(sensed)
         if self._scorer is not None:  # it compares what is seen, so robots look first
             self.search.look_again(sensed.robots[due])
@@ -150,9 +150,9 @@ class FrontierAgent:
         self._left[chosen] = _TIMEOUT[0] + _TIMEOUT[1] * found.metres[best]
         for robot, here in zip(robots, odometry[:, :2], strict=True):
             sights = self._sights[robot]
-            if sights or self._returns[robot]:
+            if len(sights) or self._returns[robot]:
                 self._returns[robot] = True
-                self._targets[robot] = sights[0].place if sights else self._seen_place(robot)
+                self._targets[robot] = sights[0] if len(sights) else self._seen_place(robot)
                 metres = float(np.linalg.norm(self._targets[robot] - here))
                 self._left[robot] = _TIMEOUT[0] + _TIMEOUT[1] * metres
 

@@ -15,6 +15,7 @@ from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.global_policy import choose_ghost, subgoal
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.graph_update import GraphUpdate, Localisation, Memory, free_metres
+from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, to_world
@@ -95,9 +96,13 @@ class NTSAgent:
             ExploringRobot(rng, Memory(GhostGraph(chosen.directions, chosen.radius)))
             for rng in self._rng.spawn(count)
         ]
-        self.search = GoalSearch(self._model, goals, self._settings.search)
+        self.search = GoalSearch(self._model, goals, self._settings.search, self._maps(count))
         self._targets, self._last = np.zeros((count, 2)), np.zeros(count, bool)
         self._reacting = np.zeros(count, bool)
+
+    def _maps(self, count: int) -> LocalMaps | None:
+        """The maps over which robots drive; small ones, unless a kind of agent has others."""
+        del count
 
     def look_for(self, goals: Observation) -> None:
         """Go on to other goals (N,), and keep graphs and maps (section 6.1)."""

@@ -91,6 +91,10 @@ class Memory:
         """Points (..., 2) of the node's frame in the frame of the odometry."""
         return to_world(self._origin, points)
 
+    def pose_of(self, node: int) -> Array:
+        """(3,) of a node in the frame of the odometry, along the graph."""
+        return compose(self._origin, self.graph.poses_from(self.node)[node])
+
     def stand(self, node: int, offset: ArrayLike) -> None:
         """Be in a node from now on, at the pose `offset` (3,) in its frame."""
         self.node, self._origin = node, compose(self._odometry, inverse(offset))

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.looks import Looks
-from tutorial_lib.agents.walls import goes_on, match_all_around
+from tutorial_lib.agents.track import Track
+from tutorial_lib.agents.walls import match_all_around
 from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.se2 import Array, compose, inverse, relative, wrap
 
-_GOES_ON = 0.75  # share of what is seen that must fit to what was seen before
 _AGREE = 0.9  # share of the points that a panorama and a known node's must confirm
 _TRIED = 6  # nodes of an island whose walls are compared with what is seen
 _NEAR, _TURNED = 0.5, float(np.deg2rad(15.0))  # between what two looks say of one place
@@ -21,17 +21,34 @@ _NEAR, _TURNED = 0.5, float(np.deg2rad(15.0))  # between what two looks say of o
 
 @dataclass(eq=False)
 class Island:
-    """A graph with all that belongs to it.
+    """A graph with all that belongs to it, in one frame.
 
     Attributes:
         memory: the graph, and where in it the robot is or was.
         looks: taken there.
         scores: (K,) of each node's directions.
+        track: of the robot.
     """
 
     memory: Memory
     looks: Looks
     scores: list[Array]
+    track: Track
+
+    def absorb(self, other: Island, node: int, pose: Array) -> None:
+        """Take over an island whose robot is at `pose` (3,) in one of this one's nodes."""
+        memory = self.memory
+        motion = compose(compose(memory.pose_of(node), pose), inverse(other.track.pose))
+        if len(other.memory.graph):
+            theirs = other.memory.node
+            edge = compose(pose, inverse(other.memory.offset))
+            memory.graph.absorb(other.memory.graph, node, theirs, edge)
+            memory.features += other.memory.features
+            self.scores += other.scores
+        self.looks.absorb(other.looks, motion)
+        self.track.absorb(other.track, motion)
+        memory.move(self.track.pose)
+        memory.stand(node, pose)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,13 +59,13 @@ class Recognised:
         island: its number.
         node: of the island.
         pose: (3,) of the robot in that node's frame.
-        odometry: (3,) of the robot.
+        seen: (3,) where the robot was by its own track.
     """
 
     island: int
     node: int
     pose: Array
-    odometry: Array
+    seen: Array
 
 
 class Islands:
@@ -58,16 +75,7 @@ class Islands:
         """A robot may be in a node from probability `same` of F_L on."""
         self._model, self._same = model, same
         self.left: list[Island] = []
-        self._before: tuple[Array, Array] | None = None
         self._last: Recognised | None = None
-
-    def was_carried(self, odometry: Array, ranges: Array) -> bool:
-        """Whether what a robot sees does not go on from its last look."""
-        before, self._before = self._before, (odometry, ranges)
-        if before is None:
-            return False
-        motion = relative(before[0], odometry)
-        return bool(goes_on(before[1][None], ranges[None], motion[None])[0] < _GOES_ON)
 
     def leave(self, island: Island) -> None:
         """The robot is somewhere else now."""
@@ -75,12 +83,12 @@ class Islands:
         self._last = None
 
     def recognise(
-        self, odometry: Array, ranges: Array, features: NDArray[np.float32]
+        self, pose: Array, ranges: Array, features: NDArray[np.float32]
     ) -> Recognised | None:
         """A place of an island on which two looks agree; None where there is none: *lost*."""
         last, self._last = self._last, None
         for number in range(len(self.left)):
-            found = self._find(number, odometry, ranges, features)
+            found = self._find(number, pose, ranges, features)
             if found is None:
                 continue
             self._last = found
@@ -88,8 +96,16 @@ class Islands:
                 return found
         return None
 
+    def join(self, found: Recognised, here: Island) -> Island:
+        """The island with all that the robot learned since it left it; it is no island any more."""
+        island = self.left.pop(found.island)
+        self._last = None
+        pose = compose(found.pose, relative(found.seen, here.track.pose))
+        island.absorb(here, found.node, pose)
+        return island
+
     def _find(
-        self, number: int, odometry: Array, ranges: Array, features: NDArray[np.float32]
+        self, number: int, pose: Array, ranges: Array, features: NDArray[np.float32]
     ) -> Recognised | None:
         """The node of an island whose picture and walls are those that the robot sees."""
         memory = self.left[number].memory
@@ -109,28 +125,11 @@ class Islands:
         row = int(shares.argmax())
         if shares[row] < _AGREE:
             return None
-        return Recognised(number, int(best[row]), poses[row], odometry)
+        return Recognised(number, int(best[row]), poses[row], pose)
 
     def _agree(self, last: Recognised, found: Recognised) -> bool:
-        """Whether two looks mean the same place, by the odometry between them."""
+        """Whether two looks mean the same place, by the track between them."""
         graph = self.left[found.island].memory.graph
         before = compose(graph.poses_from(found.node)[last.node], last.pose)
-        gap = relative(compose(before, relative(last.odometry, found.odometry)), found.pose)
+        gap = relative(compose(before, relative(last.seen, found.seen)), found.pose)
         return bool(np.hypot(gap[0], gap[1]) < _NEAR and abs(wrap(gap[2])) < _TURNED)
-
-    def join(self, found: Recognised, here: Island) -> Island:
-        """The island with all that the robot learned since it left it; it is no island any more."""
-        island = self.left.pop(found.island)
-        self._last = None
-        memory, graph = island.memory, island.memory.graph
-        memory.move(found.odometry)
-        if not len(here.memory.graph):
-            memory.stand(found.node, found.pose)
-            return island
-        theirs = here.memory.node
-        pose = compose(found.pose, inverse(here.memory.offset))
-        shift = graph.absorb(here.memory.graph, found.node, theirs, pose)
-        memory.features += here.memory.features
-        island.looks.absorb(here.looks, shift)
-        memory.stand(found.node, found.pose)
-        return Island(memory, island.looks, island.scores + here.scores)

@@ -40,6 +40,8 @@ SOON = 40
 """Actions, of half a second, in which a robot should find itself again."""
 WRONG = 1.0
 """Metres by which it is wrong then, from which it found itself elsewhere."""
+CARRIED = (3, 6)
+"""Visits, counted from 0, before which robots are carried in the lives with a carry."""
 PARTS = {"1-3": slice(0, 3), "8-10": slice(7, 10), "1-10": slice(0, 10)}
 """Visits of a row."""
 
@@ -237,12 +239,16 @@ def _relocated(again: Array, wrong: Array, strange: Array) -> dict[str, Any]:
     carried = np.isfinite(strange)
     if not carried.any():
         return {}
-    row: dict[str, Any] = {"carried": int(carried.sum())}
-    row["again"] = float((again[carried] <= SOON).mean())
     known = carried & (strange <= MISSED)
-    row |= {"carried_known": int(known.sum()), "again_known": float((again[known] <= SOON).mean())}
     joined = carried & np.isfinite(again)
-    return row | {"again_wrong": float((wrong[joined] > WRONG).mean()) if joined.any() else None}
+    watched = not np.isnan(again[carried]).all()
+    return {
+        "carried": int(carried.sum()),
+        "again": float((again[carried] <= SOON).mean()) if watched else None,
+        "carried_known": int(known.sum()),
+        "again_known": float((again[known] <= SOON).mean()) if watched and known.any() else None,
+        "again_wrong": float((wrong[joined] > WRONG).mean()) if joined.any() else None,
+    }
 
 
 _CARRIED = Experiment(
@@ -250,7 +256,11 @@ _CARRIED = Experiment(
     run,
     WORLDS,
     WORLDS[:4],
-    Settings(("combined", "nts_closing", "nts_forgets"), carried=(3, 6), odometry=("drifting",)),
+    Settings(
+        ("combined", "no_relocating", "nts_closing", "nts_forgets"),
+        carried=CARRIED,
+        odometry=("drifting",),
+    ),
 )
 _INGREDIENTS = Experiment(
     "race_ingredients",

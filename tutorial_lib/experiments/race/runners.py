@@ -50,11 +50,11 @@ def _forgetting(name: str) -> Maker:
     return make
 
 
-_PLAIN = NTSSettings(closes_loops=False)
 RUNNERS: Mapping[str, Maker] = {
     "combined": _lifelong(),
-    "no_closing": _lifelong(exploring=_PLAIN),
+    "no_closing": _lifelong(closes_loops=False),
     "no_looks": _lifelong(recalls_looks=False),
+    "no_metric": _lifelong(metric=False),
     "no_travel": _lifelong(travel=0.0),
     "no_relocating": _lifelong(relocates=False),
     "nts": lambda task, model, rng: NTSAgent(model, rng),
@@ -64,14 +64,21 @@ RUNNERS: Mapping[str, Maker] = {
     "fbe_recalls": _frontier(recalls=True),
     "ans_like": _frontier("ans_like"),
     "ans_recalls": _frontier("ans_like", recalls=True),
-    "combined_corrected": _corrected(_lifelong()),
     "nts_corrected": _corrected(lambda task, model, rng: NTSAgent(model, rng)),
     "ans_corrected": _corrected(_frontier("ans_like", recalls=True)),
     "il_forgets": _forgetting("il"),
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
 }
-INGREDIENTS = ("combined", "no_closing", "no_looks", "no_travel", "no_relocating", "nts")
+INGREDIENTS = (
+    "combined",
+    "no_closing",
+    "no_looks",
+    "no_metric",
+    "no_travel",
+    "no_relocating",
+    "nts",
+)
 """The combined agent without one of its parts each, and without all of them."""
 FIELD = (
     *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
