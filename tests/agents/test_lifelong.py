@@ -9,6 +9,7 @@ from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
 from tutorial_lib.agents.lifelong.islands import Island, Islands
 from tutorial_lib.agents.looks import Looks, not_at
 from tutorial_lib.agents.scan_corrected import ScanCorrected
+from tutorial_lib.agents.track import Track
 from tutorial_lib.agents.walls import goes_on, match_walls
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
@@ -18,7 +19,7 @@ from tutorial_lib.exploration.graph_update import GraphUpdate, Memory
 from tutorial_lib.exploration.labels import panorama_ranges
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
-from tutorial_lib.se2 import compose, relative, wrap
+from tutorial_lib.se2 import relative, wrap
 from tutorial_lib.world.worlds import scene_of
 
 WORLD = exploration_world(10_100)
@@ -107,7 +108,7 @@ def test_a_robot_that_is_not_carried_has_one_graph_and_one_that_is_joins_two():
     )
     for robot, looks in zip(carried.robots, carried.looks, strict=True):
         assert len(robot.scores) == len(robot.memory.features) == len(robot.memory.graph)
-        assert max(looks.nodes) < len(robot.memory.graph)
+        assert len(looks) >= len(robot.memory.graph)
 
 
 def test_a_robot_that_does_not_relocate_begins_no_other_graph():
@@ -117,15 +118,16 @@ def test_a_robot_that_does_not_relocate_begins_no_other_graph():
 
 def test_a_goal_that_was_passed_is_recalled_from_a_look_that_no_node_has():
     looks, model = Looks(), ByPlace()
-    looks.keep(0, [0.0, 0.0, 0.0], np.array([0.0], np.float32))
-    looks.keep(1, [0.5, 0.0, np.pi / 2], np.array([4.0], np.float32))
-    (sight,) = looks.of(model, np.array([4.5], np.float32), 0.5)
-    assert sight.node == 1
-    assert np.allclose(sight.place, [0.5, 0.5])  # ahead of the look, which looked left
-    assert looks.of(model, np.array([9.0], np.float32), 0.5) == []
-    assert not_at([sight], np.array([0.5, 0.4])) == []
-    far = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]])
-    assert not_at([sight], np.array([0.5, 0.4]), far) == [sight]
+    looks.keep(np.zeros(3), np.array([0.0], np.float32))
+    looks.keep(np.array([0.5, 0.0, np.pi / 2]), np.array([4.0], np.float32))
+    places = looks.places(model, np.array([4.5], np.float32), 0.5)
+    assert np.allclose(places, [[0.5, 0.5]])  # ahead of the look, which looked left
+    assert not len(looks.places(model, np.array([9.0], np.float32), 0.5))
+    assert not len(not_at(places, np.array([0.5, 0.4])))
+    assert len(not_at(places, np.array([3.0, 0.4]))) == 1
+    whole = Looks()
+    whole.absorb(looks, np.array([1.0, 0.0, np.pi / 2]))
+    assert np.allclose(whole.places(model, np.array([4.5], np.float32), 0.5), [[0.5, 0.5]])
 
 
 class ByPlace:
@@ -142,15 +144,17 @@ class ByPlace:
 
 
 def walked(poses):
-    """A memory with a node at each of these poses, and its looks."""
-    memory, looks = Memory(), Looks()
+    """A graph with a node at each of these poses, its looks and its track."""
+    memory, looks, track = Memory(), Looks(), Track()
     update = GraphUpdate(ByPlace(), 0.5, 0.5)
     for number, pose in enumerate(poses):
-        memory.move(relative(poses[0], pose))
+        track.move(relative(poses[0], pose))
+        memory.move(track.pose)
         features = np.array([[10.0 * number]], np.float32)
         update.add_nodes([memory], features, ranges_at(pose[None]))
-        looks.keep(memory.node, memory.offset, features[0])
-    return Island(memory, looks, [np.zeros(12) for _ in poses])
+        looks.keep(track.pose, features[0])
+        track.correct(ranges_at(pose[None])[0])
+    return Island(memory, looks, [np.zeros(12) for _ in poses], track)
 
 
 def test_graphs_are_joined_where_two_looks_agree_and_keep_their_geometry():
@@ -159,26 +163,23 @@ def test_graphs_are_joined_where_two_looks_agree_and_keep_their_geometry():
     left, here = walked(old), walked(new)
     islands = Islands(ByPlace(), 0.5)
     islands.leave(left)
-    here.memory.move(relative(new[0], new[1]))
-    seen = old[2]  # where the robot is now, as it turns out
-    odometry = np.zeros(3)
-    sure = islands.recognise(odometry, ranges_at(seen[None])[0], np.array([20.2], np.float32))
-    assert sure is None  # one look is not enough
-    found = islands.recognise(odometry, ranges_at(seen[None])[0], np.array([20.2], np.float32))
+    seen, features = ranges_at(old[2:])[0], np.array([20.2], np.float32)  # where it is in truth
+    assert islands.recognise(here.track.pose, seen, features) is None  # one look is not enough
+    found = islands.recognise(here.track.pose, seen, features)
     assert (found.island, found.node) == (0, 2)
-    before = here.memory.offset
     joined = islands.join(found, here)
     assert not islands.left
     assert len(joined.memory.graph) == len(joined.scores) == len(joined.memory.features) == 5
-    assert joined.memory.node == 2
-    gap = relative(joined.memory.offset, found.pose)
-    assert np.abs([gap[0], gap[1], wrap(gap[2])]).max() < 1e-9
+    assert len(joined.looks) == 5
+    # Within either graph nothing has moved, and the robot is where it was recognised.
     poses = joined.memory.graph.poses_from(2)
-    # Within either graph nothing has moved, and the robot is where it was in both.
     assert np.allclose(relative(poses[3], poses[4]), relative(new[0], new[1]))
     assert np.allclose(relative(poses[0], poses[1]), relative(old[0], old[1]))
-    there = compose(poses[3 + here.memory.node], before)
-    assert np.allclose(relative(found.pose, there), 0.0, atol=1e-9)
+    frame = np.array([joined.memory.pose_of(node) for node in range(5)])
+    assert np.allclose(frame[:3, :2], relative(old[0], old)[:, :2])
+    assert np.abs(frame[4, :2] - relative(old[0], old[2])[:2]).max() < 0.1
+    assert np.allclose(joined.looks.poses[4], joined.track.pose)
+    assert np.allclose(joined.memory.offset, found.pose)
 
 
 def test_a_graph_that_is_absorbed_keeps_its_ghosts_under_other_numbers():

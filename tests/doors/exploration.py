@@ -168,6 +168,7 @@ DOORS = {
         side=number(4.0, above=0, most=1000),
         reach=number(3.0, least=0),
     ),
+    "LocalMaps.forget": lambda: call(maps().forget, robot=whole(0, least=0, most=1)),
     "LocalMaps.cells": lambda: call(
         maps().cells, robots=robots(), points=floats(np.zeros((2, 2)), ("M", 2))
     ),

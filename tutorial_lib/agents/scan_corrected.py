@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.agents.track import Track
 from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.goal_search import of_all
 from tutorial_lib.interfaces import SequentialExplorer
 from tutorial_lib.observation import Observation
 from tutorial_lib.validation import with_methods
@@ -32,6 +33,7 @@ class ScanCorrected:
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
         """Actions (N,) of all robots."""
+        running = of_all(observations, running, len(self.tracks))
         if observations.depth is None:
             raise InputError("observations: panoramas without depth; use the rgbd sensor")
         poses = observations.odometry.copy()

@@ -21,7 +21,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
 from tutorial_lib.exploration.frontier import SIDE
 from tutorial_lib.exploration.ghost_graph import GhostGraph
-from tutorial_lib.exploration.goal_search import Sensed
+from tutorial_lib.exploration.goal_search import Sensed, of_all
 from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.interfaces import ExplorationModel
@@ -101,6 +101,7 @@ class LifelongAgent(NTSAgent):
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
+        running = of_all(observations, running, len(self.robots))
         if observations.depth is None:
             raise InputError("observations: panoramas without depth; use the rgbd sensor")
         poses = observations.odometry.copy()
