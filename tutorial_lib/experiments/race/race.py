@@ -55,14 +55,14 @@ class Settings:
         lives: in each world.
         visits: of each life.
         carried: visits before which a robot is carried elsewhere.
-        odometry: "drifting" or "exact", or both.
+        drifts: whether odometry does, and motion is noisy.
     """
 
     agents: tuple[str, ...] = FIELD
     lives: int = 3
     visits: int = 10
     carried: tuple[int, ...] = ()
-    odometry: tuple[str, ...] = ("drifting", "exact")
+    drifts: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,29 +100,22 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     check_shipped(("nts", "ans_like", "il"), "rgbd")
     own = (CUSTOM,) if options.agent else ()
     settings = replace(settings, agents=(*settings.agents, *own))
-    items = [
-        (world, agent, odometry)
-        for odometry in settings.odometry
-        for world in options.worlds
-        for agent in settings.agents
-    ]
+    items = [(world, agent) for world in options.worlds for agent in settings.agents]
     found = dict(
         zip(items, for_each(run_life, items, options, settings, label="race"), strict=True)
     )
     rows: Rows = []
     faults: list[str] = []
-    for odometry in settings.odometry:
-        first = [found[world, settings.agents[0], odometry] for world in options.worlds]
-        for agent in settings.agents:
-            mine = [found[world, agent, odometry] for world in options.worlds]
-            failed = [life for life in mine if isinstance(life, Fault)]
-            faults += failed[:1]
-            rows += [
-                {"agent": agent, "odometry": odometry, "visits": visits}
-                | _cells(mine, first, part, options.worlds)
-                for visits, part in PARTS.items()
-                if not failed and len(mine[0].success[part])
-            ]
+    first = [found[world, settings.agents[0]] for world in options.worlds]
+    for agent in settings.agents:
+        mine = [found[world, agent] for world in options.worlds]
+        failed = [life for life in mine if isinstance(life, Fault)]
+        faults += failed[:1]
+        rows += [
+            {"agent": agent, "visits": visits} | _cells(mine, first, part, options.worlds)
+            for visits, part in PARTS.items()
+            if not failed and len(mine[0].success[part])
+        ]
     return rows, [
         *faults,
         "passed: goals within 1 m of where the robot had been; missed: farther than 2 m",
@@ -131,9 +124,9 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     ]
 
 
-def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -> Life | Fault:
+def run_life(item: tuple[int, str], options: Options, settings: Settings) -> Life | Fault:
     """One agent's lives in one world; of the user's own agent also how it failed."""
-    seed, agent, odometry = item
+    seed, agent = item
     name = exploration_world(seed, "plain", options.palette)
     scene = scene_of(name)
     goals, carries = draw_lives(scene, settings, np.random.default_rng([options.seed, seed]))
@@ -142,7 +135,7 @@ def run_life(item: tuple[int, str, str], options: Options, settings: Settings) -
     lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
     blank = ("",) * settings.lives
     episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
-    task = ExplorationTask({name: scene}, episodes, noise, noise=odometry == "drifting")
+    task = ExplorationTask({name: scene}, episodes, noise, noise=settings.drifts)
     carried = {visit: carries[visit] for visit in settings.carried}
     if agent == CUSTOM:
         return or_fault(
@@ -259,7 +252,6 @@ _CARRIED = Experiment(
     Settings(
         ("combined", "no_relocating", "nts_closing", "nts_forgets"),
         carried=CARRIED,
-        odometry=("drifting",),
     ),
 )
 _INGREDIENTS = Experiment(
@@ -267,7 +259,14 @@ _INGREDIENTS = Experiment(
     run,
     VALIDATION,
     VALIDATION[:4],
-    Settings(INGREDIENTS, odometry=("drifting",)),
+    Settings(INGREDIENTS),
+)
+_EXACT = Experiment(
+    "race_exact",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(("combined", "nts", "nts_forgets", "ans_recalls"), drifts=False),
 )
 EXPERIMENT = Experiment(
     "race",
@@ -275,8 +274,8 @@ EXPERIMENT = Experiment(
     WORLDS,
     WORLDS[:3],
     Settings(),
-    quick_settings=Settings(lives=2, odometry=("drifting",)),
-    canary=Settings(("combined", "nts"), 1, 2, odometry=("drifting",)),
+    quick_settings=Settings(lives=2),
+    canary=Settings(("combined", "nts"), 1, 2),
     accepts=frozenset({"palette", "agent"}),
-    ablations={"carried": _CARRIED, "ingredients": _INGREDIENTS},
+    ablations={"carried": _CARRIED, "exact": _EXACT, "ingredients": _INGREDIENTS},
 )

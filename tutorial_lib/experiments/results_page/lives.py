@@ -37,15 +37,14 @@ AGENTS = {
 FIRST, LAST, ALL = PARTS
 
 
-def lives(rows: Rows, odometry: str) -> str:
+def lives(rows: Rows) -> str:
     """Success and SPL of every agent by visits, and where the goal had been passed or not."""
-    mine = matching(rows, odometry=odometry)
     return listing(
-        matching(mine, visits=LAST),
+        matching(rows, visits=LAST),
         ("agent", lambda row: AGENTS.get(row["agent"], row["agent"])),
-        (f"visits {FIRST}", _in(mine, FIRST)),
-        (f"visits {LAST}", _in(mine, LAST)),
-        ("combined - this", lambda row: "" if _is_first(mine, row) else _gap(row)),
+        (f"visits {FIRST}", _in(rows, FIRST)),
+        (f"visits {LAST}", _in(rows, LAST)),
+        ("combined - this", lambda row: "" if _is_first(rows, row) else _gap(row)),
         ("actions", "{steps:,.0f}"),
         ("goal passed before", lambda row: _where(row, "passed")),
         ("goal never passed", lambda row: _where(row, "missed")),
@@ -81,7 +80,7 @@ def _in(rows: Rows, visits: str) -> Text:
     """Success with its interval, and SPL, in some visits of an agent."""
 
     def text(row: Row) -> str:
-        found = one(rows, agent=row["agent"], odometry=row["odometry"], visits=visits)
+        found = one(rows, agent=row["agent"], visits=visits)
         return f"{success(found)}, SPL {found['spl']:.2f}"
 
     return text
