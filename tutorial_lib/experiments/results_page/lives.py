@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.race.race import PARTS
+from tutorial_lib.experiments.race.ten_visits import PARTS
 from tutorial_lib.experiments.results_page.markdown import Row, interval, percent
 from tutorial_lib.experiments.results_page.tables import (
     Text,
