@@ -115,6 +115,16 @@ DOORS = {
         task().carry,
         poses=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty"),
     ),
+    "ExplorationTask.goals": lambda: call(
+        task().goals, anything, robots=integers([0], ("M",), least=0, most=1, optional=True)
+    ),
+    "ExplorationTask.replace": lambda: call(
+        task().replace,
+        anything,
+        robots=integers([0, 1], ("M",), least=0, most=1, refuses="longer M, shorter M, empty"),
+        episodes=a(task().episodes),
+        scenes=a(task().scenes),
+    ),
     "ExplorationTask.next_goals": lambda: call(
         task().next_goals,
         goals=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty", either="bool, huge"),
