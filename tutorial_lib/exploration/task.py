@@ -203,7 +203,9 @@ class ExplorationTask:
         """
         robots = integers("robots", robots, ("M",), least=0, most=len(self) - 1)
         if len(instance("episodes", episodes, Episodes)) != len(robots):
-            raise InputError(f"episodes: {len(episodes)}; give {len(robots)}, one a robot")
+            raise InputError(
+                f"robots: {len(robots)}, episodes: {len(episodes)}; give as many of both"
+            )
         self.scenes = {**self.scenes, **instance("scenes", scenes, Mapping)}
         missing = sorted(set(episodes.worlds) - self.scenes.keys())
         if missing:

@@ -249,10 +249,7 @@ _CARRIED = Experiment(
     run,
     WORLDS,
     WORLDS[:4],
-    Settings(
-        ("combined", "no_relocating", "nts_closing", "nts_forgets"),
-        carried=CARRIED,
-    ),
+    Settings(("combined", "nts_forgets"), carried=CARRIED),
 )
 _INGREDIENTS = Experiment(
     "race_ingredients",
@@ -266,7 +263,7 @@ _EXACT = Experiment(
     run,
     WORLDS,
     WORLDS[:4],
-    Settings(("combined", "nts", "nts_forgets", "ans_recalls"), drifts=False),
+    Settings(("combined", "nts"), drifts=False),
 )
 EXPERIMENT = Experiment(
     "race",
