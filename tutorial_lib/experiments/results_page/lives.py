@@ -51,18 +51,6 @@ def lives(rows: Rows) -> str:
     )
 
 
-def ingredients(rows: Rows) -> str:
-    """What success and SPL are without one part each."""
-    return listing(
-        matching(rows, visits=LAST),
-        ("agent", lambda row: AGENTS[row["agent"]]),
-        (f"visits {LAST}", _in(rows, LAST)),
-        ("all visits", _in(rows, ALL)),
-        ("goal passed before", lambda row: _where(row, "passed")),
-        ("goal never passed", lambda row: _where(row, "missed")),
-    )
-
-
 def carried(rows: Rows) -> str:
     """Lives with a carry: success, and how soon a robot finds itself again."""
     return listing(
