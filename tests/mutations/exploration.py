@@ -277,7 +277,7 @@ MUTATIONS = [
     (
         "a robot that is localised in a node trusts its odometry more than F_R",
         "exploration/graph_update.py",
-        "memory.enter(node, None if known else place)",
+        "memory.enter(node, None if known else guess)",
         "memory.enter(node)",
         "exploration/test_global_policy.py",
     ),
