@@ -46,7 +46,7 @@ def one_building(building, monkeypatch):
 
 
 @cache
-def mapped(building, turns):
+def with_map(building, turns):
     perfect = TrueModel(building.scene)
     agent = LTVNAgent(model=perfect, rules=SamplingRules(support=0.0), turns=turns)
     agent.learn(deep_experiences(building, perfect))
@@ -55,7 +55,7 @@ def mapped(building, turns):
 
 def learned(building, turns=TURNS, **changed):
     """An agent with a map of its own; what all these maps begin as is built once."""
-    made = deepcopy(mapped(building, turns), {id(building.scene): building.scene})
+    made = deepcopy(with_map(building, turns), {id(building.scene): building.scene})
     agent = replace(made, **changed)
     agent.frames = made.frames
     agent.use(made.sampled)

@@ -230,16 +230,18 @@ def _cells(
 def _relocated(again: Array, wrong: Array, strange: Array) -> dict[str, Any]:
     """How often a robot that was carried found itself again, and how often wrongly."""
     carried = np.isfinite(strange)
-    if not carried.any():
-        return {}
     known = carried & (strange <= MISSED)
     joined = carried & np.isfinite(again)
-    watched = not np.isnan(again[carried]).all()
+
+    def soon(which: NDArray[np.bool_]) -> float | None:
+        watched = which & ~np.isnan(again)
+        return float((again[watched] <= SOON).mean()) if watched.any() else None
+
     return {
         "carried": int(carried.sum()),
-        "again": float((again[carried] <= SOON).mean()) if watched else None,
+        "again": soon(carried),
         "carried_known": int(known.sum()),
-        "again_known": float((again[known] <= SOON).mean()) if watched and known.any() else None,
+        "again_known": soon(known),
         "again_wrong": float((wrong[joined] > WRONG).mean()) if joined.any() else None,
     }
 
@@ -250,6 +252,7 @@ _CARRIED = Experiment(
     WORLDS,
     WORLDS[:4],
     Settings(("combined", "nts_forgets"), carried=CARRIED),
+    canary=Settings(("combined",), 1, 2, (1,)),
 )
 _INGREDIENTS = Experiment(
     "race_ingredients",
@@ -264,6 +267,7 @@ _EXACT = Experiment(
     WORLDS,
     WORLDS[:4],
     Settings(("combined", "nts"), drifts=False),
+    canary=Settings(("combined",), 1, 2, drifts=False),
 )
 EXPERIMENT = Experiment(
     "race",
