@@ -843,9 +843,9 @@ numbers = score(drive_b, tracked(drive_b, mine)[1])
 print(f"on drive A your settings score {score(drive_a, tracked(drive_a, mine)[1])[-1]}")
 if numbers == of_defaults:
     print("On drive B they score exactly as the library's: nothing has changed that matters.")
-    league.table()
+    display(league.table())
 else:
-    league.enter(NAME, numbers)
+    display(league.enter(NAME, numbers))
 
 # %% [markdown]
 # <details><summary>Two good filters, quite different; enter yours first</summary>
