@@ -28,7 +28,7 @@ from tutorial_lib.experiments.meng2020 import (
     table2_goal_images,
     table2_thresholds,
 )
-from tutorial_lib.experiments.protocols import navigation, navigation_tasks, repeated_drives
+from tutorial_lib.experiments.protocols import navigation_tasks, repeated_drives
 from tutorial_lib.experiments.protocols.navigation import Outcome, Result, experiences
 from tutorial_lib.experiments.results_page.sources import stored_as
 from tutorial_lib.experiments.robustness import faults
@@ -61,30 +61,10 @@ def one_building(building, monkeypatch):
             monkeypatch.setattr(module, "for_each", in_turn)
 
 
-@pytest.fixture(autouse=True)
-def no_grace(monkeypatch):
-    """Robots that never arrive take longest; the others need less than twice an oracle's time."""
-    monkeypatch.setattr(navigation, "GRACE", 0.0)
-
-
-@pytest.fixture
-def five_drives(building, monkeypatch):
-    """Every world is this room, of which only five trajectories were recorded."""
-    few = part(building, 5)
-    for module in MODULES:
-        monkeypatch.setattr(module, "make_building", lambda *_, **__: few)
-    return few
-
-
 def part(building, count):
     """A building of which only the first trajectories were recorded."""
     recorded = RecordedWorld(building.scene, building.recorded.trajectories[:count])
     return replace(building, recorded=recorded, pairs=building.pairs[:count])
-
-
-def beginnings(*given):
-    """The first 9 s of each trajectory: comparing all pairs of whole ones takes long."""
-    return [Experience(o.observations[:90], o.timestamps[:90]) for o in experiences(*given)]
 
 
 def saved(report):
@@ -125,6 +105,9 @@ def test_the_two_trajectories_of_fig_4_run_side_by_side_farthest(building):
 
 @networks
 def test_each_stage_of_fig_4_leaves_less_of_the_map(monkeypatch):
+    def beginnings(*given):  # of whole drives, all pairs of frames take long
+        return [Experience(o.observations[:90], o.timestamps[:90]) for o in experiences(*given)]
+
     monkeypatch.setattr(fig4, "experiences", beginnings)
     rows = fig4.EXPERIMENT.report(QUICK).rows
     assert [row["stage"] for row in rows] == [fig4.FRAMES, "dense", "pruned", "reused"]
@@ -138,14 +121,14 @@ def test_each_stage_of_fig_4_leaves_less_of_the_map(monkeypatch):
 
 
 @networks
-def test_fig_8_has_the_pose_of_every_vertex(five_drives):
+def test_fig_8_has_the_pose_of_every_vertex(building):
     (row,) = saved(fig8.EXPERIMENT.report(QUICK))["rows"]
     assert (row["world"], row["family"], row["area"]) == (20_000, "box", 135)
-    assert row["images"] == len(five_drives.recorded.poses)
+    assert row["images"] == len(building.recorded.poses)
     assert len(row["poses"]) == len(row["trajectories"]) == row["vertices"]
     assert len(row["pairs"]) == row["edges"]
     for pose, trajectory in zip(row["poses"], row["trajectories"], strict=True):
-        drive = five_drives.recorded.poses[five_drives.recorded.frames_of(trajectory)]
+        drive = building.recorded.poses[building.recorded.frames_of(trajectory)]
         assert np.abs(drive - pose).max(axis=1).min() < 1e-3
 
 
@@ -193,8 +176,7 @@ def test_fig_9_notes_how_far_predicted_and_measured_are_apart(monkeypatch):
 
 
 @networks
-@pytest.mark.usefixtures("five_drives")
-def test_plans_of_fig_9_are_driven_whatever_their_probability(monkeypatch):
+def test_plans_of_fig_9_are_driven_whatever_their_probability(building, monkeypatch):
     sent = []
     navigate = fig9.navigate
     monkeypatch.setattr(fig9, "navigate", lambda *a: sent.append(navigate(*a)) or sent[-1])
@@ -206,9 +188,10 @@ def test_plans_of_fig_9_are_driven_whatever_their_probability(monkeypatch):
 
 
 @networks
-def test_fig_10_learns_nested_shares_of_the_trajectories(five_drives, monkeypatch):
+def test_fig_10_learns_nested_shares_of_the_trajectories(building, monkeypatch):
     few = replace(fig10.EXPERIMENT, quick_settings=fig10.Settings(trials=3))
-    learned = []
+    building, learned = part(building, 5), []
+    monkeypatch.setattr(fig10, "make_building", lambda *_, **__: building)
     monkeypatch.setattr(
         fig10,
         "experiences",
@@ -218,7 +201,7 @@ def test_fig_10_learns_nested_shares_of_the_trajectories(five_drives, monkeypatc
     )
     report = few.report(QUICK)
     assert [len(numbers) for numbers in learned] == [
-        round(share * len(five_drives.pairs)) for share in fig10.SHARES
+        round(share * len(building.pairs)) for share in fig10.SHARES
     ]
     for fewer, more in pairwise(learned):
         assert set(fewer) < set(more)
@@ -237,7 +220,7 @@ buildings_experiences = fig10.experiences
 
 @networks
 def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(building):
-    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=24, share=0.6))
+    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=48, share=0.6))
     report = few.report(QUICK)
     rows = report.rows
     assert len({row["trajectory"] for row in rows}) >= 2
@@ -253,24 +236,23 @@ def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(build
 
 
 @networks
-@pytest.mark.usefixtures("five_drives")
 def test_a_world_without_a_new_path_is_an_error():
-    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=2, share=1.0))
+    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=4, share=1.0))
     with pytest.raises(InputError, match=r"meng_fig11: no new path .* give another one"):
         few.report(QUICK)
 
 
 @networks
 def test_fig_13_counts_vertices_at_even_numbers_of_frames():
-    few = fig13.Settings(frames=1_000, interval=500, at_once=6)
+    few = fig13.Settings(frames=2_000, interval=500, at_once=6)
     report = replace(fig13.EXPERIMENT, settings=few).report(Options(worlds=(20_000,)))
-    assert [row["frames"] for row in report.rows] == [500, 1_000]
+    assert [row["frames"] for row in report.rows] == [500, 1_000, 1_500, 2_000]
     sizes = [row["vertices"] for row in report.rows]
     assert sizes == sorted(sizes)
     assert 0 < sizes[0] < report.rows[0]["every_20th"] * 3
-    assert [row["every_10th"] for row in report.rows] == [50, 100]
-    grown = sizes[1] / sizes[0] - 1
-    assert report.notes[0].startswith(f"from 500 to 1,000 frames {grown:.1%} more vertices")
+    assert [row["every_10th"] for row in report.rows] == [50, 100, 150, 200]
+    grown = sizes[3] / sizes[1] - 1
+    assert report.notes[0].startswith(f"from 1,000 to 2,000 frames {grown:.1%} more vertices")
 
 
 def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(building):
@@ -386,7 +368,6 @@ def test_thresholds_are_chosen_on_validation_worlds():
 
 
 @needs("waypoint_k5", "reach_k5", "sptm")
-@pytest.mark.usefixtures("five_drives")
 def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkeypatch):
     calls = []
 
@@ -455,7 +436,7 @@ def test_every_fault_has_its_row_of_outcomes(monkeypatch):
     # The map of this room is too small to hold another path around a blockade.
     passable = lambda *given: np.ones(len(given[-1]), dtype=bool)  # noqa: E731
     monkeypatch.setattr(faults, "other_paths", passable)
-    few = replace(faults.EXPERIMENT, quick_settings=faults.Settings(trials=6))
+    few = replace(faults.EXPERIMENT, quick_settings=faults.Settings(trials=10))
     report = few.report(QUICK)
     rows = {row["fault"]: row for row in saved(report)["rows"]}
     assert list(rows) == ["none", "blocked", "own_goal", "strange_goal"]
@@ -464,7 +445,7 @@ def test_every_fault_has_its_row_of_outcomes(monkeypatch):
     assert rows["none"]["reached"] >= 0.75
     assert rows["own_goal"]["refused"] <= 0.25
     # Here the strange building is the same one.
-    assert rows["strange_goal"]["trials"] == 6
+    assert rows["strange_goal"]["trials"] == 10
     assert rows["blocked"]["plans"] >= 1.0
 
 
@@ -506,11 +487,10 @@ def test_faults_without_a_path_to_block_have_an_empty_row():
 
 @networks
 def test_the_bench_compares_the_index_with_all_queries(building, monkeypatch):
-    building = part(building, 4)
+    building = part(building, 6)
     monkeypatch.setattr(map_building, "make_building", lambda *_, **__: building)
-    monkeypatch.setattr(map_building, "experiences", beginnings)
     monkeypatch.setattr(map_building, "_PLANS", 4)
-    few = map_building.Settings(places=5, sizes=(10, 20))
+    few = map_building.Settings(places=5, sizes=(20, 40))
     report = replace(map_building.EXPERIMENT, quick_settings=few).report(QUICK)
     kinds = list(dict.fromkeys(row["map"] for row in report.rows))
     assert kinds == ["one building", "one building, no reuse", "many buildings, no reuse"]
@@ -524,7 +504,7 @@ def test_the_bench_compares_the_index_with_all_queries(building, monkeypatch):
     assert plain[1]["recall"] == 1.0
     assert 0.9 < plain[0]["recall"] <= 1.0
     assert [
-        row["vertices"] >= size for row, size in zip(report.rows[4:], (10, 10, 20, 20), strict=True)
+        row["vertices"] >= size for row, size in zip(report.rows[4:], (20, 20, 40, 40), strict=True)
     ]
     words = "\n".join(report.notes)
     assert f"{len(building.recorded.poses):,} frames mapped in" in words
@@ -567,9 +547,8 @@ def test_comparing_with_every_vertex_leaves_the_map_as_it_is(building):
 
 
 @networks
-@pytest.mark.usefixtures("five_drives")
 def test_the_higher_the_threshold_of_a_goal_the_more_goals_are_refused():
-    few = table2_goal_images.Settings(4, 3, (0.0, 0.9, 1.0))
+    few = table2_goal_images.Settings(4, 4, (0.0, 0.9, 1.0))
     ablation = replace(table2_goal_images.EXPERIMENT, settings=few)
     rows = saved(ablation.report(Options(worlds=(1,))))["rows"]
     keys = [(row["goal_images"], row["p_goal"]) for row in rows]
@@ -579,5 +558,5 @@ def test_the_higher_the_threshold_of_a_goal_the_more_goals_are_refused():
         assert none["success"] >= some["success"] > every["success"] == 0.0
         for column in ("refused", "refused_strange"):
             assert none[column] <= some[column] <= every[column] == 1.0
-        assert {row["trials"] for row in (none, some, every)} == {3}
+        assert {row["trials"] for row in (none, some, every)} == {4}
         assert (none["trials_composed"], none["success_composed"]) == (0, None)
