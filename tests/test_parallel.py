@@ -27,7 +27,7 @@ def grow(number, megabytes, kept=[]):  # noqa: B006 - it is to grow
     import os
     import time
 
-    kept.append(bytearray(b"x") * (megabytes * 1_000_000))
+    kept.append(bytearray(b"x" * (megabytes * 1_000_000)))
     time.sleep(1.2)  # loky measures once a second
     return number, os.getpid()
 
@@ -36,8 +36,8 @@ MANY = """
 from tests.test_parallel import grow
 from tutorial_lib import parallel
 from tutorial_lib.parallel import for_each
-found = for_each(grow, range(5), 400, label="worlds", jobs=2)
-assert [number for number, _ in found] == list(range(5))
+found = for_each(grow, range(6), 400, label="worlds", jobs=2)
+assert [number for number, _ in found] == list(range(6))
 print(len({process for _, process in found}))
 """
 

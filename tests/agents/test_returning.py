@@ -340,7 +340,7 @@ class Still:
 
 def test_the_experiment_compares_three_methods_on_the_same_trials(monkeypatch):
     monkeypatch.setattr(second_visit, "for_each", in_turn)
-    settings = second_visit.Settings(2, 1, geometry=True)
+    settings = second_visit.Settings(3, 1, geometry=True)
     rows, notes = second_visit.run(Options(worlds=(10_100,)), settings)
     keys = [(row["method"], row["signs"], row["goals"]) for row in rows]
     assert len(set(keys)) == len(keys) == 3 * 2 * 3

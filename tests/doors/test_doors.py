@@ -4,7 +4,6 @@ import ast
 import importlib
 import pkgutil
 import re
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -35,13 +34,8 @@ def imported():
                 yield from ((node.module, alias.name) for alias in node.names)
 
 
-@cache
 def exports():
     """Every public name of the library, as (package or ground module, name, what it is)."""
-    return list(_exports())
-
-
-def _exports():
     names = set(imported())
     for module in WHOLE:
         found = importlib.import_module(f"tutorial_lib.{module}")

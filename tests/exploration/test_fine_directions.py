@@ -48,8 +48,7 @@ def test_ghosts_hang_two_metres_away_in_24_directions(task):
 
 
 @pytest.mark.parametrize("changed", [{"use_graph": False}, {"use_score": False}])
-def test_the_ablations_have_as_many_directions(scenes, episodes, changed):
-    task = ExplorationTask(scenes, episodes[::3], np.random.default_rng(1))
+def test_the_ablations_have_as_many_directions(task, changed):
     settings = NTSSettings(**FINE, **changed)
     agent = NTSAgent(TrueGeometry(task, **FINE), np.random.default_rng(0), settings)
     explore(task, agent)

@@ -1,7 +1,6 @@
 """The motion of round robots agrees with pymunk, in which the car drives."""
 
 import numpy as np
-import pytest
 
 from tutorial_lib.exploration.motion import move
 from tutorial_lib.geometry import distance_to_segments, to_world
@@ -12,7 +11,7 @@ from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.worlds import scene_of
 
 WORLDS = ("apartment/10100/standard", "office/10101/standard")
-ROBOTS, SUBSTEPS = 250, 150
+ROBOTS, MOTIONS, SUBSTEPS = 250, 20, 150
 RADIUS = DifferentialDrive.radius
 ANGLES = np.arange(64) * 2 * np.pi / 64
 OUTLINE = RADIUS * np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
@@ -44,9 +43,7 @@ def nearest_on_the_line(segments, pose, motion):
     return distance_to_segments(to_world(pose, shares * motion[:2]), segments).min()
 
 
-@pytest.mark.parametrize("rounds", [6, pytest.param(20, marks=pytest.mark.full)])
-def test_motions_end_where_pymunk_ends_them(rounds):
-    """With 20 rounds these are 10,000 motions."""
+def test_10_000_motions_end_where_pymunk_ends_them():
     apart, grazing = [], 0
     for number, world in enumerate(WORLDS):
         scene, rng = scene_of(world), np.random.default_rng(number)
@@ -54,7 +51,7 @@ def test_motions_end_where_pymunk_ends_them(rounds):
         ends = segments.reshape(-1, 2)
         places = ends[rng.integers(len(ends), size=4000)] + rng.normal(0, 0.5, (4000, 2))
         poses = random_free_poses(scene, DifferentialDrive(), places, ROBOTS, rng)
-        for _ in range(rounds):
+        for _ in range(MOTIONS):
             motions = rng.uniform([0, -0.05, -1], [0.3, 0.05, 1], (ROBOTS, 3))
             after, stopped = move(poses, motions, segments, RADIUS)
             theirs, blocked = in_pymunk(segments, poses, motions)
@@ -67,7 +64,7 @@ def test_motions_end_where_pymunk_ends_them(rounds):
             grazing += (stopped != blocked).sum()
             poses = after
     touched = np.concatenate(apart)
-    assert len(touched) > 150 * rounds
+    assert len(touched) > 3_000
     assert grazing < 20
     # The kernel tests for contact every centimetre; nearly along a wall a millimetre lasts longer.
     assert (touched < 0.016).mean() > 0.998

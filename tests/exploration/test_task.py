@@ -81,7 +81,7 @@ def roll(task, choose, steps):
     return np.array(rows)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
 def test_a_robot_moves_as_it_does_without_the_others(seed, fewer):
     actions = np.random.default_rng(seed).integers(1, 4, (130, 5))

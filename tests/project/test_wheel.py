@@ -153,7 +153,6 @@ def test_a_second_copy_keeps_what_the_student_wrote(course):
         notebook.write_bytes(before)
 
 
-@pytest.mark.full
 def test_answers_are_saved_counted_and_marked_in_the_course_s_folder(course):
     (course.folder / "notebooks" / "cell.py").write_text(ANSWER)
     said = course.run(*course.python("cell.py"), folder="notebooks")
@@ -163,7 +162,6 @@ def test_answers_are_saved_counted_and_marked_in_the_course_s_folder(course):
     assert "to_local: passed" in course.do("mark", "my_answers")
 
 
-@pytest.mark.full
 def test_results_are_written_into_the_course_s_folder(course):
     page = course.folder / "tutorial_lib" / "results" / "README.md"
     page.write_text("old")

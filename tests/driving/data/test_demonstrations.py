@@ -75,7 +75,7 @@ def test_most_trajectories_arrive_and_name_their_world(shown):
 
 def test_the_same_seed_gives_the_same_bytes(scene, shown):
     assert content(demonstrate(WORLD, scene_of(WORLD), 12, 3)) == content(shown)
-    assert content(demonstrate(WORLD, scene, 2, 4))[0] not in content(shown)
+    assert content(demonstrate(WORLD, scene, 12, 4)) != content(shown)
 
 
 def test_starts_and_headings_differ(shown):
@@ -155,14 +155,14 @@ def test_a_row_holds_what_was_sensed_before_its_action(scene, shown):
 
 
 def test_trajectories_with_collisions_are_dropped(scene):
-    kept = demonstrate(WORLD, scene, 20, 0, Blind())
-    assert len(kept) < 5
+    kept = demonstrate(WORLD, scene, 40, 0, Blind())
+    assert len(kept) < 10
     for t in kept:
         # To arrive blindly, the goal must have been straight ahead.
         assert is_free(scene, BicycleCar(), t.poses).all()
         assert np.ptp(t.poses[:, 2]) < 1e-6
     box = Scene(make_box(12.0, 12.0))
-    assert 0 < len(demonstrate("box", box, 80, 0, Blind())) < 16
+    assert 0 < len(demonstrate("box", box, 300, 0, Blind())) < 60
 
 
 def test_noise_is_in_the_motion_and_not_in_the_actions(scene, shown):
@@ -198,7 +198,7 @@ WORLDS = ["office/1/standard", "maze/2/standard"]
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("recorded") / "new"
-    return record_demonstrations(WORLDS, 2, 7, folder, jobs=2)
+    return record_demonstrations(WORLDS, 4, 7, folder, jobs=2)
 
 
 def test_one_file_for_each_world(recorded):
@@ -206,13 +206,13 @@ def test_one_file_for_each_world(recorded):
     assert sorted(os.listdir(recorded[0].parent)) == sorted(path.name for path in recorded)
     for world, path in zip(WORLDS, recorded, strict=True):
         trajectories = load_trajectories(path)
-        expected = demonstrate(world, scene_of(world), 2, world_seed(7, world, 2))
+        expected = demonstrate(world, scene_of(world), 4, world_seed(7, world, 4))
         assert content(trajectories) == content(expected)
         assert {t.world for t in trajectories} == {world}
 
 
 def test_the_number_of_processes_changes_nothing(recorded, tmp_path):
-    again = record_demonstrations(WORLDS[::-1], 2, 7, tmp_path, jobs=1)
+    again = record_demonstrations(WORLDS[::-1], 4, 7, tmp_path, jobs=1)
     assert [path.read_bytes() for path in again[::-1]] == [path.read_bytes() for path in recorded]
 
 
@@ -221,12 +221,12 @@ def test_a_recording_goes_on_where_it_stopped(recorded, tmp_path):
     kept.write_bytes(recorded[0].read_bytes())
     os.utime(kept, (1, 1))
     broken.write_bytes(recorded[1].read_bytes()[:1000])
-    assert record_demonstrations(WORLDS, 2, 7, tmp_path, jobs=1) == [kept, broken]
+    assert record_demonstrations(WORLDS, 4, 7, tmp_path, jobs=1) == [kept, broken]
     assert kept.stat().st_mtime == 1
     assert broken.read_bytes() == recorded[1].read_bytes()
 
 
-@pytest.mark.parametrize(("count", "seed"), [(2, 8), (1, 7)])
+@pytest.mark.parametrize(("count", "seed"), [(4, 8), (3, 7)])
 def test_another_recording_is_not_mistaken_for_this_one(recorded, tmp_path, count, seed):
     mine = tmp_path / recorded[0].name
     mine.write_bytes(recorded[0].read_bytes())
@@ -237,7 +237,7 @@ def test_another_recording_is_not_mistaken_for_this_one(recorded, tmp_path, coun
 def test_a_file_of_another_world_is_not_taken(recorded, tmp_path):
     mine = tmp_path / recorded[0].name
     save_trajectories(mine, load_trajectories(recorded[1]))
-    record_demonstrations(WORLDS[:1], 2, 7, tmp_path, jobs=1)
+    record_demonstrations(WORLDS[:1], 4, 7, tmp_path, jobs=1)
     assert mine.read_bytes() == recorded[0].read_bytes()
 
 
@@ -253,9 +253,8 @@ def test_a_wrong_name_is_refused_before_anything_is_recorded(tmp_path):
 @pytest.fixture(scope="module")
 def trials(shown):
     """Starts and goals of recorded trajectories, and one start from which a car cannot arrive."""
-    short = sorted(shown, key=len)[:3]
-    starts = np.array([trajectory.poses[0] for trajectory in short])
-    goals = np.array([trajectory.poses[-1, :2] for trajectory in short])
+    starts = np.array([trajectory.poses[0] for trajectory in shown[:4]])
+    goals = np.array([trajectory.poses[-1, :2] for trajectory in shown[:4]])
     return starts, goals
 
 
@@ -263,7 +262,7 @@ def test_trajectories_lead_from_given_starts_to_given_goals(scene, shown, trials
     starts, goals = trials
     paths = GridPaths(scene.clearance)
     found = demonstrate_between(WORLD, scene, paths, starts, goals, 77)
-    assert len(found) == 3
+    assert len(found) == 4
     for trajectory, start, goal in zip(found, starts, goals, strict=True):
         assert (trajectory.world, trajectory.seed) == (WORLD, 77)
         assert (trajectory.poses[0] == start).all()
@@ -275,10 +274,10 @@ def test_trajectories_lead_from_given_starts_to_given_goals(scene, shown, trials
 
 def test_nothing_about_them_is_random_but_the_drift(scene, trials):
     paths = GridPaths(scene.clearance)
-    exact, other = (
+    one, two = (
         demonstrate_between(WORLD, scene, paths, *trials, seed, NoNoise()) for seed in (1, 2)
     )
-    assert content(exact) == content(other)
+    assert content(one) == content(two)
     one, two = (demonstrate_between(WORLD, scene, paths, *trials, seed) for seed in (1, 2))
     assert content(one) == content(demonstrate_between(WORLD, scene, paths, *trials, 1))
     assert (one[1].poses == two[1].poses).all()
@@ -286,7 +285,8 @@ def test_nothing_about_them_is_random_but_the_drift(scene, trials):
     for robot in range(2):
         starts, goals = (column[[robot]] for column in trials)
         (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1, NoNoise())
-        assert content([alone]) == content([exact[robot]])
+        exact = demonstrate_between(WORLD, scene, paths, *trials, 1, NoNoise())[robot]
+        assert content([alone]) == content([exact])
     starts, goals = (column[[0]] for column in trials)
     (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1)
     assert content([alone]) == content([one[0]])

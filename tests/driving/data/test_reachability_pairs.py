@@ -207,16 +207,15 @@ def test_where_no_start_beside_a_trajectory_is_free_only_starts_on_it_remain(
     assert len(found) == pytest.approx(0.35 * 500, abs=40)
 
 
-@pytest.fixture(scope="module")
-def unshifted(recorded, paths):
+@pytest.fixture
+def unshifted(recorded, paths, monkeypatch):
     """Frames (G, 5) that starts were drawn from, and their targets (G, 1)."""
 
     def stay(scene, poses, perturbation, rng):
         return poses.copy(), np.ones(len(poses), dtype=bool)
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "perturbed", stay)
-        found = draw_reachability_pairs(recorded, paths, 400, np.random.default_rng(2))
+    monkeypatch.setattr(module, "perturbed", stay)
+    found = draw_reachability_pairs(recorded, paths, 400, np.random.default_rng(2))
     gap, sources = cKDTree(recorded.poses).query(found.starts)
     assert gap.max() == 0.0
     assert len(found) == 400 * STARTS

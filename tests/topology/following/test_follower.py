@@ -577,14 +577,14 @@ def fleet(**extra):
 
 def test_a_fleet_does_as_each_robot_alone():
     (corridor, follower), paths = fleet()
-    go(corridor, follower, 80)
+    go(corridor, follower, 120)
     together = follower.log()
     for robot, path in enumerate(paths):
         (many, _), _ = fleet()
         reachability = CorridorReachability()
         reachability.arranged = flickering
         one, alone = make(np.arange(12.0), [many.x[robot]], reachability, paths=[path], first=None)
-        go(one, alone, 80)
+        go(one, alone, 120)
         assert one.x[0] == corridor.x[robot]
         record = alone.log()
         for name in ("state", "active", "visited", "probability", "overlap", "waypoint"):
@@ -728,15 +728,15 @@ def test_the_old_waypoint_is_forgotten():
     assert corridor.speed[0] < 0
 
 
-def test_a_path_beyond_the_anchors_is_refused_and_changes_nothing():
+@pytest.mark.parametrize("path", [[9], [-1], [], [0.5], [[0]]])
+def test_a_path_beyond_the_anchors_is_refused_and_changes_nothing(path):
     corridor, follower = make(starts=[0.0, 0.0])
     go(corridor, follower, 10)
     before = follower.memory.active.copy(), follower.paths
-    for path in ([9], [-1], [], [0.5], [[0]]):
-        with pytest.raises(InputError, match="paths: path 1 is"):
-            follower.assign(1, path)
-        assert (follower.memory.active == before[0]).all()
-        assert follower.paths is before[1]
+    with pytest.raises(InputError, match="paths: path 1 is"):
+        follower.assign(1, path)
+    assert (follower.memory.active == before[0]).all()
+    assert follower.paths is before[1]
     go(corridor, follower, 200)
     assert follower.memory.done.all()
 
