@@ -279,4 +279,7 @@ DOORS = {
         bearings.column_of, bearings=floats([0.5, 1.0]), columns=whole(8, least=1)
     ),
 }
-WITHOUT = {}
+WITHOUT = {
+    "Destination": "holds what an agent has chosen; nothing to refuse",
+    "ghost_places": "of an agent's own memory, whose graph has checked its ghosts",
+}
