@@ -248,7 +248,6 @@ DOORS = {
     "LifelongSettings": lambda: call(
         agents.LifelongSettings,
         exploring=a(agents.NTSSettings()),
-        closes_loops=flag(True),
         recalls_looks=flag(True),
         metric=flag(True),
         travel=number(0.02, least=0),

@@ -171,13 +171,18 @@ class NTSAgent:
 
     def _choose(self, robot: ExploringRobot) -> Destination:
         """The best ghost; where none is left, a node, from which the goal may be seen."""
-        memory, scores = robot.memory, np.array(robot.scores)
-        if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
-            scores = robot.rng.random(scores.shape)
-        ghost = choose_ghost(memory, scores, robot.rng)
+        memory = robot.memory
+        ghost = choose_ghost(memory, self._worth(robot), robot.rng)
         if ghost is None:
             return Destination(int(robot.rng.integers(len(memory.graph))), np.zeros(2))
         return Destination(ghost.node, memory.graph.place_of(ghost), ghost)
+
+    def _worth(self, robot: ExploringRobot) -> Array:
+        """What ghosts (V, K) are worth by which the best is chosen: their scores."""
+        scores = np.array(robot.scores)
+        if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
+            scores = robot.rng.random(scores.shape)
+        return scores
 
     def _react(self, sensed: Sensed) -> None:
         """Without a graph: drive in the best direction of the present panorama."""

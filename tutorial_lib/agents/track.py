@@ -79,6 +79,10 @@ class Track:
         """What a robot sees now is what the next sight must go on from."""
         self._asked, self._due = (self.pose, ranges), False
 
+    def begun_anew(self) -> Track:
+        """A track of the same robot that knows no panoramas."""
+        return Track(self.pose, _odometry=self._odometry)
+
     def absorb(self, other: Track, motion: Array) -> None:
         """Go on where another track is, whose frame is at `motion` (3,) in this one."""
         self.pose = compose(motion, other.pose)

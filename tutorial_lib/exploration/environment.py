@@ -130,7 +130,7 @@ class ImageGoalNavigation(gymnasium.Env):
         Raises:
             InputError: for an unknown action, before `reset`, and when the episode is over.
         """
-        task = self._running()
+        task = _running(self._task)
         if task.done[0]:
             raise InputError("step: the episode is over; call reset")
         task.step(np.array([action]))
@@ -145,19 +145,14 @@ class ImageGoalNavigation(gymnasium.Env):
         Raises:
             InputError: before `reset`.
         """
-        task = self._running()
+        task = _running(self._task)
         if self.render_mode == "top_view":
             (scene,) = task.scenes.values()
             return top_view(scene, [poses[0] for poses in task.path], task.goal_poses[0])
         return task.observe().image[0] if self.render_mode == "rgb_array" else None
 
-    def _running(self) -> ExplorationTask:
-        if self._task is None:
-            raise InputError("environment: call reset first")
-        return self._task
-
     def _observe(self) -> dict[str, NDArray]:
-        seen = self._running().observe()
+        seen = _running(self._task).observe()
         goal = {f"goal_{name}": rows[0].copy() for name, rows in _seen(self._goal).items()}
         return {
             **{name: rows[0] for name, rows in _seen(seen).items()},
@@ -166,7 +161,7 @@ class ImageGoalNavigation(gymnasium.Env):
         }
 
     def _info(self) -> dict[str, Any]:
-        task = self._running()
+        task = _running(self._task)
         return {
             "success": bool(task.success[0]),
             "spl": float(task.spl[0]),
@@ -244,9 +239,7 @@ class ManyImageGoalNavigations(VectorEnv):
         Raises:
             InputError: for an unknown action, and before `reset`.
         """
-        if self._task is None:
-            raise InputError("environment: call reset first")
-        task, fresh = self._task, np.flatnonzero(self._over)
+        task, fresh = _running(self._task), np.flatnonzero(self._over)
         acting = integers("actions", actions, (self.num_envs,), least=0, most=len(ACTIONS) - 1)
         task.step(acting)  # robots whose episodes are over do nothing
         if len(fresh):
@@ -276,15 +269,12 @@ class ManyImageGoalNavigations(VectorEnv):
         return episodes, {world: self._scenes[world] for world in set(episodes.worlds)}
 
     def _observe(self) -> dict[str, NDArray]:
-        task = self._task
-        assert task is not None
-        seen = task.observe()
+        seen = _running(self._task).observe()
         goals = {f"goal_{name}": rows.copy() for name, rows in self._goals.items()}
         return {**_seen(seen), **goals, "odometry": seen.odometry}
 
     def _info(self) -> dict[str, Any]:
-        task = self._task
-        assert task is not None
+        task = _running(self._task)
         return {"success": task.success.copy(), "spl": task.spl, "steps": task.steps.copy()}
 
 
@@ -345,6 +335,13 @@ def _observations(sensor: str) -> spaces.Dict:
         parts |= {"depth": depth, "goal_depth": depth}
     parts["odometry"] = spaces.Box(-_FARTHEST, _FARTHEST, (3,), np.float64)
     return spaces.Dict(parts)
+
+
+def _running(task: ExplorationTask | None) -> ExplorationTask:
+    """The task of an environment, which there is after its first reset."""
+    if task is None:
+        raise InputError("environment: call reset first")
+    return task
 
 
 def _seen(observations: Observation) -> dict[str, NDArray]:

@@ -26,9 +26,8 @@ from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import to_local, to_world
-from tutorial_lib.validation import flag, instance
-from tutorial_lib.validation import number as one_number
+from tutorial_lib.se2 import Array, to_local, to_world
+from tutorial_lib.validation import flag, floats, instance
 
 
 @dataclass(frozen=True)
@@ -36,16 +35,15 @@ class LifelongSettings:
     """The ingredients, each of which can be left out.
 
     Attributes:
-        exploring: of the explorer inside.
-        closes_loops: walls correct odometry along the path, and where a robot is in its nodes.
+        exploring: of the explorer inside; where it closes loops, walls correct odometry along the
+            whole path, too.
         recalls_looks: goals are looked for in all looks, not only in those of nodes.
         metric: drives lead over a map of what was seen around, not from node to node.
         travel: score that a ghost loses with every metre of the drive to it.
         relocates: a robot that was carried away notices, and finds its graph again.
     """
 
-    exploring: NTSSettings = field(default_factory=NTSSettings)
-    closes_loops: bool = True
+    exploring: NTSSettings = field(default_factory=lambda: NTSSettings(closes_loops=True))
     recalls_looks: bool = True
     metric: bool = True
     travel: float = 0.02
@@ -53,9 +51,9 @@ class LifelongSettings:
 
     def __post_init__(self) -> None:
         instance("exploring", self.exploring, NTSSettings)
-        for name in ("closes_loops", "recalls_looks", "metric", "relocates"):
+        for name in ("recalls_looks", "metric", "relocates"):
             flag(name, getattr(self, name))
-        one_number("travel", self.travel, least=0.0)
+        floats("travel", self.travel, (), least=0.0)
 
 
 class LifelongAgent(NTSAgent):
@@ -75,8 +73,8 @@ class LifelongAgent(NTSAgent):
     ) -> None:
         """Explore with `model`; `rng` breaks ties, from a stream of its own for each robot."""
         settings = LifelongSettings() if settings is None else settings
-        rules = self._rules = instance("settings", settings, LifelongSettings)
-        super().__init__(model, rng, replace(rules.exploring, closes_loops=rules.closes_loops))
+        self._rules = instance("settings", settings, LifelongSettings)
+        super().__init__(model, rng, settings.exploring)
 
     def start(self, goals: Observation) -> None:
         """Begin lives with `goals` (N,); forget all before."""
@@ -87,7 +85,6 @@ class LifelongAgent(NTSAgent):
         self.islands = [Islands(self._model, self._settings.same_node) for _ in range(count)]
         self._sights = [np.zeros((0, 2))] * count
         self._recognised: list[Recognised | None] = [None] * count
-        self._numbers = {id(robot): number for number, robot in enumerate(self.robots)}
 
     def _maps(self, count: int) -> LocalMaps | None:
         return LocalMaps(count, SIDE) if self._rules.metric else None
@@ -114,22 +111,20 @@ class LifelongAgent(NTSAgent):
 
     def _locate(self, number: int, ranges: NDArray) -> None:
         """Where a robot is: in another graph, in one that it left, or a little beside its track."""
-        found, track = self._recognised[number], self.tracks[number]
-        if found is not None:
-            self._recognised[number] = None
+        track, found = self.tracks[number], self._recognised[number]
+        self._recognised[number] = None
+        due = track.is_due()
+        if due and self._rules.relocates and not track.goes_on(ranges):
+            self.islands[number].leave(self._island(number))
+            graph = GhostGraph(self._settings.directions, self._settings.radius)
+            self._go_on_in(number, Island(Memory(graph), Looks(), [], track.begun_anew()))
+        elif found is not None:
             self._go_on_in(number, self.islands[number].join(found, self._island(number)))
-        elif track.is_due():
-            if self._rules.relocates and not track.goes_on(ranges):
-                self.islands[number].leave(self._island(number))
-                graph = GhostGraph(self._settings.directions, self._settings.radius)
-                fresh = Track()
-                fresh.absorb(track, np.zeros(3))
-                fresh.places, fresh.ranges = [], []
-                self._go_on_in(number, Island(Memory(graph), Looks(), [], fresh))
-            if self._rules.closes_loops:
-                self.tracks[number].correct(ranges)
-            else:
-                self.tracks[number].see(ranges)
+            return
+        if due and self._settings.closes_loops:
+            self.tracks[number].correct(ranges)
+        elif due:
+            self.tracks[number].see(ranges)
 
     def _island(self, number: int) -> Island:
         """The graph that a robot is in, with all that belongs to it."""
@@ -158,7 +153,7 @@ class LifelongAgent(NTSAgent):
 
     def _next_sight(self, robot: ExploringRobot) -> Destination | None:
         """The place of the most probable sight that is left."""
-        places, memory = self._sights[self._numbers[id(robot)]], robot.memory
+        places, memory = self._sights[self.robots.index(robot)], robot.memory
         if not len(places):
             return None
         return Destination(memory.node, to_local(memory.pose_of(memory.node), places[0]))
@@ -176,7 +171,7 @@ class LifelongAgent(NTSAgent):
 
     def _resolve(self, robot: ExploringRobot) -> bool:
         """A destination was reached; a sight whose goal was not there is forgotten."""
-        destination, number = robot.destination, self._numbers[id(robot)]
+        destination, number = robot.destination, self.robots.index(robot)
         if destination is not None and destination.ghost is None:
             frame = robot.memory.pose_of(destination.node)
             place = to_world(frame, destination.place)
@@ -195,15 +190,10 @@ class LifelongAgent(NTSAgent):
                     self._last[number] = True
 
     def _choose(self, robot: ExploringRobot) -> Destination:
-        """The next sight of the goal; then the ghost whose score is worth the drive."""
-        sight = self._next_sight(robot)
-        if sight is not None:
-            return sight
-        if not self._rules.travel:
-            return super()._choose(robot)
+        """The next sight of the goal; a ghost where there is none left."""
+        return self._next_sight(robot) or super()._choose(robot)
+
+    def _worth(self, robot: ExploringRobot) -> Array:
+        """What ghosts are worth after the drive to them."""
         metres = robot.memory.graph.metres_from(robot.memory.node)
-        scores, kept = robot.scores, np.array(robot.scores)
-        robot.scores = list(kept - self._rules.travel * metres[:, None])
-        chosen = super()._choose(robot)
-        robot.scores = scores
-        return chosen
+        return super()._worth(robot) - self._rules.travel * metres[:, None]

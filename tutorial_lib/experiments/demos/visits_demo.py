@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -22,7 +21,6 @@ from tutorial_lib.experiments.race.ten_visits import Settings, draw_lives
 from tutorial_lib.exploration.episodes import Episodes, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.files import atomic_paths
-from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.world.worlds import scene_of
@@ -143,12 +141,8 @@ def _write(folder: Path, films: list[ExplorationFilm], life: LifeOnFilm) -> None
     """Film, strip of the last pictures, and figures: all of them or none."""
     with atomic_paths(*(folder / one for one in (FILM, STRIP, FIGURES))) as (film, *others):
         with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            for picture in _pictures(films):
-                write(picture)
+            for one in films:
+                for i in range(len(one)):
+                    write(one[i])
         others[0].write_bytes(exact_png(stacked([one[len(one) - 1] for one in films])))
         others[1].write_text(json.dumps(asdict(life), indent=1) + "\n", encoding="utf-8")
-
-
-def _pictures(films: list[ExplorationFilm]) -> Iterator[Picture]:
-    for film in films:
-        yield from (film[i] for i in range(len(film)))

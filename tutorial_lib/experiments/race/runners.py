@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +23,8 @@ COMBINED = LifelongSettings()
 """What is raced, chosen on validation worlds."""
 
 
-def _lifelong(**changed: object) -> Maker:
-    settings = replace(COMBINED, **changed)  # type: ignore[arg-type]
+def _lifelong(**changed: Any) -> Maker:  # noqa: ANN401 - fields of the settings
+    settings = replace(COMBINED, **changed)
     return lambda task, model, rng: LifelongAgent(model, rng, settings)
 
 
@@ -52,7 +53,7 @@ def _forgetting(name: str) -> Maker:
 
 RUNNERS: Mapping[str, Maker] = {
     "combined": _lifelong(),
-    "no_closing": _lifelong(closes_loops=False),
+    "no_closing": _lifelong(exploring=NTSSettings()),
     "no_looks": _lifelong(recalls_looks=False),
     "no_metric": _lifelong(metric=False),
     "no_travel": _lifelong(travel=0.0),
@@ -64,19 +65,14 @@ RUNNERS: Mapping[str, Maker] = {
     "fbe_recalls": _frontier(recalls=True),
     "ans_like": _frontier("ans_like"),
     "ans_recalls": _frontier("ans_like", recalls=True),
-    "nts_corrected": _corrected(lambda task, model, rng: NTSAgent(model, rng)),
     "ans_corrected": _corrected(_frontier("ans_like", recalls=True)),
     "il_forgets": _forgetting("il"),
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
 }
+"""Those that forget begin anew with each goal."""
 INGREDIENTS = (
-    "combined",
-    "no_closing",
-    "no_looks",
-    "no_metric",
-    "no_travel",
-    "no_relocating",
+    *("combined", "no_closing", "no_looks", "no_metric", "no_travel", "no_relocating"),
     "nts",
 )
 """The combined agent without one of its parts each, and without all of them."""
@@ -84,6 +80,7 @@ FIELD = (
     *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
     *("ans_like", "fbe_recalls", "fbe", "il_forgets", "random_forgets", "oracle"),
 )
+"""All that are raced."""
 
 
 def own_runner(where: str) -> SequentialExplorer:

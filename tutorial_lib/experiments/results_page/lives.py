@@ -23,7 +23,6 @@ AGENTS = {
     "nts": "NTS, graph kept",
     "nts_closing": "NTS, closing loops",
     "nts_forgets": "NTS, forgets with each goal",
-    "nts_corrected": "NTS, graph kept, odometry corrected",
     "fbe": "nearest frontier, grid kept",
     "fbe_recalls": "nearest frontier, grid and pictures kept",
     "ans_like": "learned choice of frontier, grid kept",
