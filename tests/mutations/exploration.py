@@ -221,8 +221,8 @@ MUTATIONS = [
     (
         "without a frontier the robot stays",
         "agents/frontier.py",
-        "                self._targets[robot] = self._seen_place(robot)\n",
-        "                self._targets[robot] = here\n",
+        "sights[0] if len(sights) else self._seen_place(robot)",
+        "sights[0] if len(sights) else here",
         "agents/test_exploring.py -k once_all",
     ),
     (

@@ -56,6 +56,7 @@ INSIDE = {
         "common": set(),
         "protocols": {"common"},
         **{study: {"common", "protocols"} for study in STUDIES},
+        "demos": {"common", "protocols", "race"},
         "registry": {"common", "protocols", *STUDIES},
         "provenance": {"common", "registry"},
         "results_page": {"common", "protocols", "provenance", *STUDIES},
