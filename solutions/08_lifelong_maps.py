@@ -106,7 +106,7 @@ again = Prediction(
     "08",
     "again",
     "The door stays shut. How long will the same eight trips take tomorrow?",
-    {"A": "as long as yesterday", "B": "less than this morning", "C": "as long as this morning"},
+    {"A": "as long as yesterday", "B": "something in between", "C": "as long as this morning"},
     right="C",
     robot=f"{shut_door.success.sum()} of {len(queries)} arrive tomorrow, after "
     f"{shut_door.seconds.mean():.0f} s each, as this morning; yesterday it was "
@@ -399,8 +399,8 @@ streak = Prediction(
     right="A",
     robot=f"{more}: {', '.join(f'{belief:.2f}' for belief in later[6 : 7 + more])}.",
     tempting="B",
-    because="the first failure took a fifth, so three more should do. But the steps get larger: the "
-    "more the map doubts, the more a failure says.",
+    because="the first failure took a fifth, so three more should do. But the steps get larger: "
+    "the more the map doubts, the more a failure says.",
     before=belief_chart(first, "One failure, and it's still believed"),
     after=belief_chart(later, "Each failure costs more than the one before"),
 )
@@ -845,10 +845,11 @@ for agent, tone, words in (
 ):
     of_agent = [row for row in stored if row["agent"] == agent]
     blocks = sorted({row["block"] for row in of_agent})
-    shares = [
-        np.average(*zip(*((r["success"], r["queries"]) for r in of_agent if r["block"] == block)))
-        for block in blocks
-    ]
+    shares = []
+    for block in blocks:
+        parts = [row for row in of_agent if row["block"] == block]
+        total = sum(row["queries"] for row in parts)
+        shares.append(sum(row["success"] * row["queries"] for row in parts) / total)
     ends = [50 * (block + 1) for block in blocks]
     axes.plot(ends, shares, color=colours.unit(tone), marker="o", label=words)
 axes.set(xlabel="queries", ylabel="trips that succeed", ylim=(0.7, 1.0), xticks=ends)
