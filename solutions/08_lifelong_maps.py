@@ -185,10 +185,11 @@ def grid_of(titles):
     around = near_view.plain.copy()
     for name, image in shown.items():
         near_view.arrow(around, places[image], colours.INK, 8)
-        write_beside(near_view, around, name, places[image], 18)
+        write_beside(near_view, around, name, places[image], -18 if image == back else 18)
     near_view.arrow(around, places[now], colours.ROBOT, 8)
     around = closeup(near_view, around, places[[now, *shown.values()], :2], 1.0, square=True)
-    top = side_by_side([around, photo(now)], ["from above", "now"], height=180)
+    above = side_by_side([around], height=180)
+    top = side_by_side([above, photo(now, 330)], ["from above", "now"])
     return stacked([top, *rows], gap=8)
 
 
@@ -411,10 +412,10 @@ streak = Prediction(
     right="A",
     robot=f"{more}: {', '.join(f'{belief:.2f}' for belief in later[6 : 7 + more])}.",
     tempting="B",
-    because="the first failure took a fifth, so three more should do. But the steps get larger: "
-    "the more the map doubts, the more a failure says.",
+    because="the first failure took a fifth, so three more should do. But the second takes half: "
+    "near 1 a belief moves little, in the middle a lot.",
     before=belief_chart(first, "One failure, and it's still believed"),
-    after=belief_chart(later, "Each failure costs more than the one before"),
+    after=belief_chart(later, "The second failure hurts most"),
 )
 display(streak)
 
