@@ -143,21 +143,20 @@ display(again)
 #
 # ## 1 · Can I drive there?
 #
-# Back home. Your robot has a tour of the flat: from each place to the next, and back. Here's where it stands (blue), what it sees now, and four photos of the tour.
+# Back home, with Friday's twelve drives. Here's where your robot stands (blue), what it sees now, and four photos of the drives.
 
 # %% hidden=true
-# Your flat, its tour, and a photo with four others (about 5 s)
+# Your flat, its twelve drives, and a photo with four others (about 8 s)
 flat = explored("home", scene_of(world_name("apartment", 2)), np.random.default_rng(0), 4)
-home = part_of(flat, "tour", 0)
 resident = agents.ltvn(model=living.model, maintenance=None)
-resident.learn(deep_experiences(home))
+resident.learn(deep_experiences(flat))
 pool, view = resident.sampled.pool, PlanView(flat.scene, 290, 390)
 near_view = PlanView(flat.scene, 560, 760)
-places = image_poses(home, resident)
+places = image_poses(flat, resident)
 
 
 def photo(image, width=260):
-    """What the camera saw where an image of the tour was taken."""
+    """What the camera saw where an image of the drives was taken."""
     return camera_picture(people_camera.look(flat.scene, places[[image]])[0][0], width)
 
 
@@ -193,7 +192,7 @@ def grid_of(titles):
     return stacked([top, *rows], gap=8)
 
 
-print(f"{len(home.pairs)} drives, {len(pool)} images")
+print(f"{len(flat.pairs)} drives, {len(pool)} images")
 refused = Prediction(
     "08",
     "refused",
@@ -710,7 +709,7 @@ sliders(
 # %% [markdown]
 # ## 7 · What nobody had used
 #
-# Pruning can cut a map in two. But many images of the tour were never used: they were redundant, or couldn't be joined. When no path is left, LTVN tries them one by one until there is one, *keeps only the images on that path*, and puts the others back.
+# Pruning can cut a map in two. But many images of the drives were never used: they were redundant, or couldn't be joined. When no path is left, LTVN tries them one by one until there is one, *keeps only the images on that path*, and puts the others back.
 #
 # ### Exercise 6 · `expand` (medium, 8 minutes)
 #
@@ -878,12 +877,12 @@ show(from_figure(figure))
 # %% hidden=true
 # The twelve trips, and the two maps to beat
 trips = draw_trials(flat, 12, np.random.default_rng(7))
-library = score_map(home, trips, resident.sampled)
+library = score_map(flat, trips, resident.sampled)
 
 
 def score_of(sampled):
     """Vertices, robots that arrive, and the score of a map."""
-    one = score_map(home, trips, sampled)
+    one = score_map(flat, trips, sampled)
     lost = max(library.arrived - one.arrived, 0)
     return one.vertices, one.arrived, library.vertices - one.vertices - 10 * lost
 
@@ -946,4 +945,4 @@ else:
 # Let <code>live</code> update both directions, as the colleague did: how many true edges are left? In section 8, set <code>returns=0, returns_blocked=0</code>: what becomes of the door when it opens again? Score your map in the office.
 # </details>
 #
-# Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with a tour. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No tour, no map: it can only guess what lies behind each door.
+# Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with people who drove it round. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No drives, no map: it can only guess what lies behind each door.
