@@ -166,7 +166,9 @@ turned = np.abs(wrap(places[:, 2] - places[now, 2]))
 yes = np.flatnonzero(pool.reachable[now] > 0.9)
 no = np.flatnonzero((pool.reachable[now] < 0.01) & (turned > 2.0))
 near, middling, far_off = (yes[np.abs(metres[yes] - m).argmin()] for m in (0.8, 1.5, 2.3))
-back = no[np.abs(metres[no] - 1.1).argmin()]
+others = places[[now, near, middling, far_off], :2]
+no = no[metres[no] < 1.6]
+back = no[np.linalg.norm(places[no, None, :2] - others, axis=2).min(axis=1).argmax()]  # apart
 shown = dict(zip("ABCD", (near, far_off, back, middling), strict=True))
 
 
@@ -184,7 +186,7 @@ def grid_of(titles):
     around = near_view.plain.copy()
     for name, image in shown.items():
         near_view.arrow(around, places[image], colours.INK, 8)
-        write_beside(near_view, around, name, places[image], -18 if image == back else 18)
+        write_beside(near_view, around, name, places[image], 18)
     near_view.arrow(around, places[now], colours.ROBOT, 8)
     around = closeup(near_view, around, places[[now, *shown.values()], :2], 1.0, square=True)
     above = side_by_side([around], height=180)
@@ -533,10 +535,10 @@ live = check_live.use(live)
 
 
 # %% [markdown]
-# Someone spoils your flat's map with forty wormholes (vermilion). Each promises to be 1 m long. A true edge works in 95 of 100 drives, a wormhole in 2. Your `live` gets three hundred queries.
+# Someone spoils your flat's map with forty wormholes (vermilion). Each promises to be 1 m long. A true edge works in 95 of 100 drives, a wormhole in 2. Your `live` gets two hundred queries.
 
 # %% hidden=true
-# Your loop on the flat's map with forty wormholes: three hundred queries, in blocks of thirty
+# Your loop on the flat's map with forty wormholes: two hundred queries, in blocks of twenty
 
 
 def spoilt(wormholes, rng):
@@ -553,7 +555,7 @@ def spoilt(wormholes, rng):
 
 
 def lives(updating):
-    """Success in blocks of thirty, the graph that is left, and the wormholes."""
+    """Success in blocks of twenty, the graph that is left, and the wormholes."""
     rng = np.random.default_rng(2)
     graph, wormholes = spoilt(40, rng)
     nodes, blocks = sorted(graph), []
@@ -564,8 +566,8 @@ def lives(updating):
     def update(prior, success):
         return min(max(bayes(prior, 0.9, 0.05, success), 0.03), 0.97) if updating else prior
 
-    for _ in range(10):
-        asked = [tuple(map(int, rng.choice(nodes, 2, replace=False))) for _ in range(30)]
+    for _ in range(10 if updating else 5):  # without learning nothing changes
+        asked = [tuple(map(int, rng.choice(nodes, 2, replace=False))) for _ in range(20)]
         drives = []
 
         def counted(a, b, drives=drives):
@@ -591,7 +593,13 @@ for updating, tone, words in (
     (True, colours.ROBOT, "it learns"),
 ):
     blocks, lived, wormholes = lives(updating)
-    axes.plot(range(30, 301, 30), blocks, color=colours.unit(tone), marker="o", label=words)
+    axes.plot(
+        20 * np.arange(1, 1 + len(blocks)),
+        blocks,
+        color=colours.unit(tone),
+        marker="o",
+        label=words,
+    )
 axes.set(ylim=(0, 1.05), xlabel="queries", ylabel="drives that succeed")
 axes.set_title("A planner finds the lies by itself")
 axes.legend(loc="lower right")
@@ -603,7 +611,7 @@ true_edges = (len(whole_graph.edges) - at_first, len(lived.edges) - left)
 lies = Prediction(
     "08",
     "lies",
-    "After three hundred queries, how many of the forty wormholes are left?",
+    "After two hundred queries, how many of the forty wormholes are left?",
     {"A": "none, or hardly any", "B": "about half", "C": "nearly all"},
     right="A",
     robot=f"{left} of {at_first} are left, and {true_edges[1]} of {true_edges[0]} true edges.",
@@ -827,11 +835,11 @@ print(f"the first that was found blocked: edge {EVENT.edge}, in query {EVENT.que
 # %% [markdown]
 # ### Be the one who shuts doors
 #
-# Shut the door and send out 25 robots, then open it and send 25 more. Or be nasty: cut the edge that's driven most, or add one that isn't there. What does the map lose, and what does it get back? Each 25 take some ten seconds.
+# Shut the door and send out 25 robots on these six trips, then open it and send 25 more. Or be nasty: cut the edge that's driven most, or add one that isn't there. What does the map lose, and what does it get back? Each 25 take some ten seconds.
 
 # %% hidden=true
 # Buttons: shut or open the door, cut or add an edge, run the next 25 queries
-many = draw_trials(office, 25, np.random.default_rng(3))
+many = queries.subset(np.arange(25) % SIZE)
 presses(TamperedMap(toured, living, many, SHUT, first=SIZE * len(DAYS)))
 
 # %% [markdown]
@@ -875,7 +883,7 @@ show(from_figure(figure))
 # Twelve robots drive on it, with nothing mended. The score is **vertices saved − 10 × robots lost**, against the library's map, which scores 0. A score takes about 5 s.
 
 # %% hidden=true
-# The twelve trips, and the two maps to beat
+# The twelve trips, and the map to beat
 trips = draw_trials(flat, 12, np.random.default_rng(7))
 library = score_map(flat, trips, resident.sampled)
 
@@ -887,17 +895,10 @@ def score_of(sampled):
     return one.vertices, one.arrived, library.vertices - one.vertices - 10 * lost
 
 
-kept = np.arange(0, len(pool), 3)
-pairs = [e for n, image in enumerate(kept) for e in resident.sampled.edges_with(image, kept[:n])]
-thinned = joined_map(pool, resident.rules, kept.tolist(), pairs)
-thinned.join_by_turning(resident.turns)
 league = League(
     "08",
     {"vertices": "d", f"arrive, of {len(trips)}": "d", "score": "d"},
-    {
-        "the library's map": (library.vertices, library.arrived, 0),
-        "every third image": score_of(thinned),
-    },
+    {"the library's map": (library.vertices, library.arrived, 0)},
 )
 half = library.vertices // 2
 print(f"Half of the {library.vertices} vertices, and no robot lost, would score {half}.")
