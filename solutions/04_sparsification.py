@@ -1000,7 +1000,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
-# TODO
+# <i>Nine, evenly spaced</i>: <code>np.linspace(0, len(reach) - 1, 9).round().astype(int)</code>. No network at all; no hop is longer than 2.3 m, and this drive is nearly straight. With eight, some robots get lost. <i>Nine that RE trusts.</i> The chain of nine images whose product of RE is largest, found from start to end like a shortest path, with no hop longer than 2.6 m. Without that limit it takes a hop of more than 4 m down the corridor, since RE says 0.94 there, and shoved robots don't make it: the best of many is often luck.
 # </details>
 #
 # ## 7 · How few will do?
