@@ -850,7 +850,7 @@ numbered = numbered_views(view, picture, driven[places], images, 270, 1, 0.6, po
 off_by = np.linalg.norm(driven[-1, :2] - poses[-1, :2])
 print(f"{robot_name()}: {len(anchors)} of {len(frames)} images, {arc[-1]:.0f} m in ", end="")
 print(f"{end * STEP:.0f} s; at the end {off_by:.2f} m from where the drive ended")
-show(side_by_side([numbered], height=560))
+show(side_by_side([numbered], height=480))
 
 # %% [markdown]
 # That was the good case. Four more robots set off with the first, without seeing one another. After 12 s one is pushed aside, one is turned, and one is carried to another room. No odometer notices. The fourth meets a person who walks towards it, waits, and turns back.
@@ -869,7 +869,7 @@ def strips(robots, shown):
         steps = np.minimum(MOMENTS[robot][list(shown)], len(states) - 1)
         parts = track[:-1, robot], states[:, robot], steps, car.footprint
         discs = circles if robot == MET else None
-        rows.append(follower_strip(view, base, *parts, side=164, discs=discs))
+        rows.append(follower_strip(view, base, *parts, side=156, discs=discs))
     return stacked(rows, [NAMES[robot] for robot in robots], gap=4)
 
 
@@ -1192,10 +1192,10 @@ def failure_picture(index):
     draw_anchors(close_view, picture, around[[2]], size=15, colour=colours.LASER)
     close_view.robot(picture, around[0], car.footprint)
     near = closeup(close_view, picture, around[:, :2], 1.2, square=True)
-    near = side_by_side([near], height=290)
+    near = side_by_side([near], height=250)
     images = people_camera.look(trip_scene, around)[0]
     names = ["what it saw", "the anchor it had passed", "the anchor it drove to"]
-    views = stacked([camera_picture(image, 200) for image in images], names, gap=2)
+    views = stacked([camera_picture(image, 168) for image in images], names, gap=2)
     title = f"drive {index}: {metres[index]:.1f} of {lengths[index]:.1f} m"
     return side_by_side([near, views], [title, ""], gap=8)
 
