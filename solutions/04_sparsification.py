@@ -129,10 +129,10 @@ six = Prediction(
     "04",
     "six",
     "The robot keeps six, each with a second and a half before and after. Which six bring it there?",
-    {"A": "one about every 3.5 m", "B": "one before each door", "C": "most in the corridor"},
+    {"A": "one about every 3.5 m", "B": "one before each door", "C": "a long gap first"},
     right="B",
-    robot="with A, B and C it gets "
-    f"{', '.join(f'{m:.0f}' for m in six_metres)} of {arc[-1]:.0f} m.",
+    robot=f"with A it gets {six_metres[0]:.0f} of {arc[-1]:.0f} m, with B {six_metres[1]:.0f}, with "
+    f"C {six_metres[2]:.0f}.",
     tempting="A",
     because="no gap is long. But 9 looks across the living room, and 18 lies behind the door. Just "
     "before a door, an image shows what's behind it.",
@@ -601,8 +601,8 @@ line = Prediction(
     "It trusts above 0.92. Below which second, lower line should it let go?",
     {"A": "at 0.9, just below", "B": "at 0.4", "C": "at 0.05"},
     right="B",
-    robot=f"with a single line it lets go {changes_of(ONE)} times though nothing is wrong, with a "
-    f"second one at 0.4 {changes_of(USUAL)} times. The carried one would let go at once.",
+    robot=f"with a single line it lets go {changes_of(ONE)} times though nothing is wrong. With a "
+    f"second one at 0.4 it lets go {changes_of(USUAL)} times, and the carried one at once.",
     tempting="C",
     because="it never lets go without need. But it doesn't let go in the wrong room either.",
     before=trust_chart(ONE, [0.92], f"One line: it lets go {changes_of(ONE)} times"),
@@ -994,9 +994,10 @@ league = League(
 mine = np.unique(my_images(single_reach.copy(), poses.copy()))
 if np.array_equal(mine, even):
     print("So far your choice is the evenly spaced one.")
-    league.table()
+    standings = league.table()
 else:
-    league.enter(NAME, score_images(mine))
+    standings = league.enter(NAME, score_images(mine))
+standings
 
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
@@ -1213,7 +1214,7 @@ from_robot, from_anchor = np.mean([row[3:] for row in log_rows], axis=0)
 cause = Prediction(
     "04",
     "cause",
-    "Why doesn't it get to the vermilion anchor?",
+    "In at least three of these four: why doesn't it get to the vermilion anchor?",
     {
         "A": "the anchors are too far apart",
         "B": "it's at the right place, with the wrong heading",
