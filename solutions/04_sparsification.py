@@ -994,10 +994,9 @@ league = League(
 mine = np.unique(my_images(single_reach.copy(), poses.copy()))
 if np.array_equal(mine, even):
     print("So far your choice is the evenly spaced one.")
-    standings = league.table()
+    display(league.table())
 else:
-    standings = league.enter(NAME, score_images(mine))
-standings
+    display(league.enter(NAME, score_images(mine)))
 
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
