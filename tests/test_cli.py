@@ -456,7 +456,10 @@ runpy.run_module("tutorial_lib", run_name="__main__")
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")
 @pytest.mark.parametrize(
     ("what", "arguments"),
-    [("navigation_demo.agents.meng", []), ("RolloutFilm.__getitem__", ["--oracle"])],
+    [
+        ("navigation_demo.agents.meng", []),
+        pytest.param("RolloutFilm.__getitem__", ["--oracle"], marks=pytest.mark.full),
+    ],
 )
 def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, tmp_path_factory, what, arguments):
     script = INTERRUPTED.format(what=what)
@@ -499,6 +502,7 @@ def test_experiment_plans_runs_in_the_family_asked_for(family, capsys):
     assert row[5] == "0"
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("few_drives")
 def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
     arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]

@@ -310,6 +310,7 @@ def tiny(tmp_path, monkeypatch):
     return recipe
 
 
+@pytest.mark.full
 def test_the_command_trains_saves_and_goes_on_where_it_was_stopped(tiny, tmp_path, capsys):
     folder = tmp_path / "weights"
     with joblib.parallel_config(backend="threading"):

@@ -84,6 +84,7 @@ def test_an_experiment_has_the_same_rows_there(cluster, tmp_path, capsys, monkey
     assert rows[0][0]["plans"] == 2
 
 
+@pytest.mark.full
 def test_a_worker_that_is_killed_loses_nothing(cluster):
     address, workers = cluster
     killer = threading.Timer(0.6, lambda: os.kill(workers[0].pid, signal.SIGKILL))

@@ -41,6 +41,7 @@ def gaps(drive, pose):
     return np.linalg.norm(drive.poses[:, :2] - pose[:2], axis=1)
 
 
+@pytest.mark.full
 def test_no_drive_leads_all_along_the_trip_but_two_do_together(usual):
     start, goal = usual.trial.starts[0], usual.trial.goal_poses[0]
     first, last, *others = usual.building.recorded.trajectories
@@ -60,6 +61,7 @@ def test_the_budget_of_drives_is_kept(usual):
     assert len(usual.building.pairs) < usual.recorded == 30
 
 
+@pytest.mark.full
 def test_a_demo_in_a_large_hall_takes_place_in_a_part_where_re_is_sure(agent):
     plan = generate("hall", 102)  # on its open floor a drive's probability is 0.02
     scene = Scene(plan)

@@ -93,6 +93,7 @@ def office():
     )
 
 
+@pytest.mark.full
 @networks
 def test_the_same_trials_are_run_with_and_without_remedies(office, monkeypatch):
     monkeypatch.setattr(fig12, "make_office", lambda *_, **__: office)

@@ -50,6 +50,7 @@ def report():
     return few.report(Options(worlds=(10_000, 10_001), quick=True))
 
 
+@pytest.mark.full
 def test_every_controller_has_a_row_for_every_condition(report):
     keys = [(row["controller"], row["condition"]) for row in report.rows]
     assert len(keys) == len(set(keys)) == len(CONTROLLERS) * len(CONDITIONS)
@@ -188,6 +189,7 @@ def test_a_map_stands_in_place_of_worlds(other, capsys):
     assert "--map" in capsys.readouterr().err
 
 
+@pytest.mark.full
 def test_a_map_has_no_shifted_palette_and_is_named(tmp_path):
     plan = generate("apartment", 10_012)
     save_plan(plan, tmp_path / "flat.json")

@@ -717,7 +717,12 @@ def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
 @networks
 @pytest.mark.parametrize(
     ("drives", "p_edge", "s_shortcut"),
-    [("0.4", 0.9, 0.97), ("tour", 0.8, 0.95), ("continuous", 0.8, 0.95), ("", 0.99, 0.99)],
+    [
+        ("", 0.99, 0.99),
+        ("tour", 0.8, 0.95),
+        pytest.param("0.4", 0.9, 0.97, marks=pytest.mark.full),
+        pytest.param("continuous", 0.8, 0.95, marks=pytest.mark.full),
+    ],
 )
 def test_maps_of_a_part_of_the_drives_have_its_thresholds(
     plan, monkeypatch, drives, p_edge, s_shortcut

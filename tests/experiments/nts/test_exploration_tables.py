@@ -106,6 +106,7 @@ def test_table2_takes_away_the_stop_and_the_noise():
     assert len(notes) == 4
 
 
+@pytest.mark.full
 def test_fig8_counts_the_goals_up_to_each_number():
     rows, _ = fig8.run(ONE_WORLD, fig8.Settings(2, 3, geometry=True))
     keys = [(row["agent"], row["signs"], row["goals"]) for row in rows]

@@ -75,6 +75,7 @@ def test_a_share_of_the_drives_is_the_same_each_time_and_grows(building):
         part_of(building, "0.01", 0)
 
 
+@pytest.mark.full
 def test_a_continuous_drive_passes_all_places_in_one_recording(building, continuous):
     (drive,) = continuous.recorded.trajectories
     passed = [np.linalg.norm(drive.poses[:, :2] - place, axis=1).min() for place in building.places]

@@ -119,6 +119,7 @@ def test_trajectories_begin_under_way(recorded):
         assert drive.timestamps[0] > UNDER_WAY / 0.9
 
 
+@pytest.mark.full
 def test_disturbances_run_on_a_validation_world(monkeypatch):
     for name, less in (("CARS", 8), ("LENGTH", 10.0), ("GRACE", 0.0)):
         monkeypatch.setattr(following, name, less)
