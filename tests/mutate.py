@@ -31,8 +31,8 @@ MOST_SURVIVORS = 0.05
 TIMEOUT = 600.0
 """Seconds after which tests are stopped; a change by which they never end is killed."""
 KILLED, SURVIVED, STALE, BROKEN = "killed", "survived", "stale", "BROKEN"
-PYTEST = ["-m", "pytest", "-x", "-q", "--full", "-p", "no:cacheprovider"]
-SEEDED = ("-p", "hypothesispytest", "--hypothesis-seed=0")
+PYTEST = ["-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+SEEDED = ("--full", "-p", "hypothesispytest", "--hypothesis-seed=0")
 
 
 def copy_project(project, folder):
