@@ -27,7 +27,12 @@ def test_an_exercise_is_done_when_its_answer_is_saved(folder):
     )
     (folder / "mine" / "02_a.py").write_text("another notebook's\n")
     found = progress(folder)
-    assert [(one.name, bool(one.passed)) for one in found] == [("a", 0), ("b", 1), ("c", 0)]
+    assert {
+        notebook: [(one.name, bool(one.passed)) for one in own] for notebook, own in found.items()
+    } == {
+        "01_one": [("a", 0), ("b", 1)],
+        "02_two": [("c", 0)],
+    }
     text = report(found)
     assert "01_one: 1 of 2" in text
     assert "02_two: 0 of 1" in text
@@ -66,3 +71,10 @@ def test_predictions_are_counted_and_never_among_the_exercises(folder):
     assert "01_one: 0 of 2" in text
     assert "  predictions: 2 made, 1 right" in text
     assert text.count("predictions") == 1
+
+
+def test_predictions_count_where_there_is_no_exercise(folder):
+    (folder / "00_start.ipynb").write_text(json.dumps({"cells": []}))
+    record.keep_prediction("00", "trip", "A", "A")
+    text = report(progress(folder))
+    assert text.startswith("00_start: no exercises\n  predictions: 1 made, 1 right\n01_one: 0 of 2")

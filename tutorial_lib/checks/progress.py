@@ -20,43 +20,39 @@ class Done:
     """An exercise, and what became of it.
 
     Attributes:
-        notebook: as in ``02_local_control``.
         name: of the exercise.
         passed: what the saved answer says of itself; empty if there is none.
     """
 
-    notebook: str
     name: str
     passed: str
 
 
-def progress(notebooks: Path) -> list[Done]:
-    """Every exercise of the notebooks in a folder, in their order.
+def progress(notebooks: Path) -> dict[str, list[Done]]:
+    """The exercises of each notebook in a folder, in their order; its name is ``02_local_control``.
 
     Raises:
         InputError: when there are no notebooks, or one is damaged.
     """
-    found = [
-        Done(file.stem, name, _passed(file.stem[:2], name))
+    found = {
+        file.stem: [Done(name, _passed(file.stem[:2], name)) for name in _exercises(file)]
         for file in sorted(notebooks.glob("[0-9][0-9]_*.ipynb"))
-        for name in _exercises(file)
-    ]
-    if not found:
+    }
+    if not any(found.values()):
         raise InputError(f"{notebooks}: no notebooks with exercises; give the course's folder")
     return found
 
 
-def report(found: list[Done]) -> str:
+def report(found: dict[str, list[Done]]) -> str:
     """A table in words: for each notebook how many are done, each exercise, and predictions.
 
     Raises:
         InputError: when the file with the predictions is damaged.
     """
     lines = []
-    for notebook in dict.fromkeys(one.notebook for one in found):
-        own = [one for one in found if one.notebook == notebook]
+    for notebook, own in found.items():
         done = sum(bool(one.passed) for one in own)
-        lines.append(f"{notebook}: {done} of {len(own)}")
+        lines.append(f"{notebook}: {done} of {len(own)}" if own else f"{notebook}: no exercises")
         lines += [
             f"  {'x' if one.passed else '-'} {one.name:22} {one.passed}".rstrip() for one in own
         ]
@@ -64,8 +60,9 @@ def report(found: list[Done]) -> str:
         if made:
             right = sum(one.get("choice") == one.get("right") for one in made)
             lines.append(f"  predictions: {len(made)} made, {right} right")
-    done = sum(bool(one.passed) for one in found)
-    return "\n".join([*lines, f"{done} of {len(found)} exercises are done"])
+    every = [one for own in found.values() for one in own]
+    done = sum(bool(one.passed) for one in every)
+    return "\n".join([*lines, f"{done} of {len(every)} exercises are done"])
 
 
 def _exercises(file: Path) -> list[str]:
