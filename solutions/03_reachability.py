@@ -349,7 +349,7 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. One *beside* the car is the hardest of those in sight, however near. RE has the shape right: walls, doors, ahead and behind. But beside the car it's far too optimistic. Keep that in mind.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. One *beside* the car is the hardest of those in sight. RE has the shape right: walls, doors, ahead, behind and beside. But beside the car, and for those some metres behind it, it's too optimistic. Keep that in mind.
 #
 # ### What stops car B?
 #
@@ -791,6 +791,7 @@ fit_temperature = check_fit_temperature.use(fit_temperature)
 
 # %% hidden=true
 # Fit temperatures, and evaluate in the office
+BINS = 6  # of 25 rollouts each
 reached = pooled(TEST, "labels")
 lines = []  # name, predictions, index of the panel, colour
 for panel, (network, key) in enumerate((("quick", "quick"), ("library", "logits"))):
@@ -807,20 +808,20 @@ lines.append(("0 or 1", (pooled(TEST, "logits") > 0).astype(float), None, None))
 rows = []
 figure, axes = chart(9.0, 4.9, columns=2)
 for name, predicted, panel, tone in lines:
-    means, shares, ece = reliability_diagram(predicted, reached, 10)
+    means, shares, ece = reliability_diagram(predicted, reached, BINS)
     clipped = np.clip(predicted, 1e-6, 1 - 1e-6)  # predictions of 0 and 1 can cost infinitely much
     loss = reach_loss(np.log(clipped / (1 - clipped)), reached, np.ones(len(clipped)))
     rows.append([name, auc(predicted, reached), ece, brier(predicted, reached), loss])
     if panel is not None:
         axis = axes[panel]
         draw_reliability(axis, means, shares, color=colours.unit(tone), label=name)
-for axis, title in zip(axes, ("A temperature tames the quick one", "The library's"), strict=True):
+for axis, title in zip(axes, ("the quick network", "the library's"), strict=True):
     stretch(axis)
     axis.legend(loc="upper left", fontsize=10)
     axis.set_title(title)
 rng = np.random.default_rng(0)
 perfect = [
-    reliability_diagram(isotonic, (rng.random(len(isotonic)) < isotonic).astype(float), 10)[2]
+    reliability_diagram(isotonic, (rng.random(len(isotonic)) < isotonic).astype(float), BINS)[2]
     for _ in range(200)
 ]
 best = {"AUC": max, "ECE": min, "Brier": min, "log loss": min}
@@ -875,9 +876,9 @@ for i in worst:
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# Two places, nearly one image. This is **[[perceptual aliasing]]**, and an edge of a map between two such places is a **[[wormhole]]**: the planner thinks there's a short cut, and takes it.
+# These are the worst. The colours differ, but the geometry is alike: a wall on either side, a passage, something at the end. To take one place for another is **[[perceptual aliasing]]**, and an edge of a map between two such places is a **[[wormhole]]**: the planner thinks there's a short cut, and takes it.
 #
-# How bad is it? Take an estimator that's right about 999 of 1,000 unreachable pairs. A building has 1,000 vertices, and from each the robot can really get to two others. Below are all pairs, rows to columns; blue are the real ones. **Take a pencil.**
+# A handful of pairs above 0.9, among thousands. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A building has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, rows to columns; blue are the real ones. **Take a pencil.**
 
 # %% hidden=true
 # A million pairs
@@ -1069,7 +1070,7 @@ words = f"the office: {office.far_and_occluded.sum():,} far, occluded pairs, and
 table(headings, lines, best, words)
 
 # %% [markdown]
-# Far fewer look-alikes, in a building that it has never seen, and the ordinary pairs are none the worse. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands.
+# Far fewer look-alikes, in a building that it has never seen, and it ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands.
 #
 # So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs of your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count.
 
