@@ -355,6 +355,7 @@ table(headings, lines, caption=caption)
 #
 # Here's B's drive once more. Each amber line leads to the waypoint that the network predicts there, one a second.
 
+
 # %% hidden=true
 # The same starts with three controllers
 class ToTargets:
@@ -445,7 +446,6 @@ table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 # <details><summary>Hint 1: concept</summary>Three things must hold at the same moment: near, in time, and clean so far. The label asks whether there is any such moment.</details>
 # <details><summary>Hint 2: approach</summary>Make three tables (T, N) of true and false and join them with &. Time against limit: times[:, None] &lt;= limits makes a table of a column and a row. "Clean so far" is a running or: np.logical_or.accumulate(touched, axis=0) is true from the first contact on.</details>
 # <details><summary>Hint 3: one line</summary>For one car with the moments near, in time, and touched it would be <code>any(n and t and not any(c[:i + 1]) for i, (n, t, c) in …)</code>. Which axis of the tables plays the role of this any, and which function the role of the inner one?</details>
-
 
 
 # %% exercise="rollout_labels"
@@ -540,7 +540,6 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 # <details><summary>Hint 3: one line</summary>Squared errors with weights would be <code>np.average((z - y) ** 2, weights=w)</code>. Which expression belongs in place of the square?</details>
 
 
-
 # %% exercise="reach_loss"
 def reach_loss(logits, labels, weights):
     """The weighted mean of the cross-entropy.
@@ -626,7 +625,6 @@ display(ten_drives)
 # <details><summary>Hint 3: one line</summary>The largest value of each of 7 groups of x would be <code>[x[g].max() for g in np.array_split(np.argsort(x), 7)]</code>. What do you need of each group, and which weight has its gap?</details>
 
 
-
 # %% exercise="reliability_diagram"
 def reliability_diagram(predicted, came_true, bins):
     """Compare predictions with outcomes in bins of equal mass.
@@ -652,6 +650,7 @@ reliability_diagram = check_reliability_diagram.use(reliability_diagram)
 
 # %% [markdown]
 # First a quickly trained network: two small layers on the frozen encoder of $\mathcal C_{WP}$, trained on nothing but the 300 rollouts in your flat and in the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: that much could be chance. Both axes are stretched near 1, where most predictions are.
+
 
 # %% hidden=true
 # Train the quick network, and draw its reliability diagrams
@@ -762,7 +761,6 @@ display(new_house)
 # <details><summary>Hint 1: concept</summary>There is one unknown, and you have a function that scores each value of it. You can just try many.</details>
 # <details><summary>Hint 2: approach</summary>A temperature of 0.5 is as far from 1 as one of 2: try values that grow by a factor, np.geomspace(0.05, 20, 600). Compute reach_loss(logits / t, labels, weights) for each, with weights of one. (Or scipy.optimize.minimize_scalar over log T.)</details>
 # <details><summary>Hint 3: one line</summary>The angle below 3 at which the sine is smallest would be <code>angles[np.argmin([np.sin(a) for a in angles])]</code>. What takes the place of the sine?</details>
-
 
 
 # %% exercise="fit_temperature"
@@ -941,7 +939,6 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # <details><summary>Hint 1: concept</summary>Four groups of pairs: known; occluded and sure; not occluded and sure; all others. Make a mask of each, then shorten the second and the third one. Keep pairs, labels and weights in the same order until the end.</details>
 # <details><summary>Hint 2: approach</summary>Whether a label is known: np.isnan. For the hard negatives go through np.argsort(-probability) with a loop, a list of the chosen, and a dictionary that counts how often each start was taken. For the others rng.permutation of their indices, cut off after as many as you need. With E easy pairs of weight 1 and M mined ones of weight w, the share is M w / (E + M w): solve it for w, and mind M = 0.</details>
 # <details><summary>Hint 3: one line</summary>At most two words with the same first letter: <code>for word in words: if count.get(word[0], 0) &lt; 2: …</code> What are the words here, what the letter, and which other two conditions join this one?</details>
-
 
 
 # %% exercise="mine_pairs"
@@ -1310,8 +1307,8 @@ def traits_of(building):
 cases = []
 for name, building in buildings.items():
     predicted, traits = reachability.calibration(building["logits"]), traits_of(building)
-    for i, (p, label) in enumerate(zip(predicted, building["labels"], strict=True)):
-        case = {"predicted": p, "label": label, "closest": building["gaps"][:, i].min()}
+    for i, (p, outcome) in enumerate(zip(predicted, building["labels"], strict=True)):
+        case = {"predicted": p, "label": outcome, "closest": building["gaps"][:, i].min()}
         case |= {"name": name, "i": i, "traits": {key: has[i] for key, has in traits.items()}}
         cases.append(case)
 too_high = sorted((c for c in cases if c["label"] == 0), key=lambda c: -c["predicted"])[:3]
