@@ -312,6 +312,8 @@ display(fan)
 
 # %% hidden=true
 # Outcome and prediction
+asked = reachability.calibration(all_logits(reachability, recorded, two.starts, two.targets))
+print(f"RE of this morning's two cars: A {asked[0]:.2f}, B {asked[1]:.2f}")
 rows = []
 for name, target in TARGETS.items():
     maps = [map_around(target, grids[name], v) for v in (arrived[name], probabilities[name])]
@@ -349,9 +351,9 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. One *beside* the car is the hardest of those in sight. RE has the shape right: walls, doors, ahead, behind and beside. But beside the car, and for those some metres behind it, it's too optimistic. Keep that in mind.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. One *beside* the car is the hardest of those in sight. RE has the shape right: walls, doors, ahead, behind and beside. But beside the car it's too optimistic. Keep that in mind. And the two cars of this morning? Above the maps stands what RE says to each: B won't make that.
 #
-# ### What stops car B?
+# ### What keeps car B away?
 #
 # Here's B's drive once more. Each amber line leads to the waypoint that the network predicts there, one a second.
 
@@ -785,7 +787,7 @@ fit_temperature = check_fit_temperature.use(fit_temperature)
 # %% [markdown]
 # Both networks, the quick one and the library's, get their temperature in the ring of corridors and are judged in the office. A temperature can't bend a curve, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Beside them stand two that calibrate badly in different ways: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
 #
-# **AUC** is the probability that of two pairs, one of which arrives, that one has the higher prediction. Watch the column AUC, and look for a good ECE that's useless.
+# **AUC** is the probability that of two pairs, one of which arrives, that one has the higher prediction. Watch the column AUC.
 
 # %% hidden=true
 # Fit temperatures, and evaluate in the office
@@ -829,7 +831,7 @@ print(f"exact probabilities would have an ECE of about {np.mean(perfect):.3f} he
 show(from_figure(figure))
 
 # %% [markdown]
-# The AUC doesn't change: it depends on the ranking alone, and an increasing function keeps that. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant equal to the share that arrives is calibrated by definition, and useless. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
+# The AUC doesn't change: it depends on the ranking alone, and an increasing function keeps that. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant that hits the building's own share is calibrated by definition, and useless; the one in the table comes from another building. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
 #
 # With 150 rollouts even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
 #
@@ -1442,7 +1444,7 @@ show(from_figure(figure))
 # 10. Why does a map need an estimator that's right far more often than 999 times in 1,000?
 #
 # <details><summary>Answers</summary>
-# 1. Perhaps not: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after the arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays, since the ranking does. 8. It's calibrated, and useless: it tells no two targets apart. 9. No: what's reachable depends on the controller. 10. It asks about a million pairs, nearly all unreachable, so rare mistakes outnumber the real edges.
+# 1. Perhaps not: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after the arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays, since the ranking does. 8. It's calibrated, and useless: it tells no two targets apart. 9. No: what's reachable depends on the controller. 10. It asks about a million pairs, nearly all unreachable, so one mistake in 1,000 makes a thousand wormholes.
 # </details>
 #
 # **Close it and draw the pipeline**, with your function names: from rollouts to a probability that you'd bet on.
