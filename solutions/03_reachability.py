@@ -1094,7 +1094,7 @@ if sure.any():
 #
 # **An open task.** The quick network has 300 rollouts. You may label 60 pairs more. Which? `my_pairs` chooses them from the pool; they get their outcomes, together they weigh as much as in exercise 5, and five networks are trained on all of it, each from other initial weights. They're judged in the office and in the ring of corridors, of which you've chosen nothing: half on 300 ordinary rollouts, half on all far, occluded pairs.
 #
-# The **score** is the share of the squared error that's gone, in percent: 0 is a network that always says the average, 100 one that's always right. A minus is worse than no network at all. The 300 alone are to beat, 60 at random, and the 60 look-alikes it's surest of. There's more than one good answer. What you're given about the P pairs of the pool:
+# The **score** is the share of the squared error that's gone, in percent: 0 is a network that always says the average, 100 one that's always right. A minus is worse than no network at all. The 300 alone are to beat, 60 at random, and the 60 look-alikes it's surest of. We don't know the best answer. What you're given about the P pairs of the pool:
 #
 # | each is (P,) | |
 # |---|---|
@@ -1210,8 +1210,8 @@ else:
     display(league.enter(NAME, numbers))
 
 # %% [markdown]
-# <details><summary>Two good choices, quite different; enter yours first</summary>
-# @SOLUTIONS@
+# <details><summary>One choice that leads, and three that don't; enter yours first</summary>
+# <i>Far pairs at random</i>, <code>rng.permutation(np.flatnonzero(pool.occluded))[:60]</code>, lead by about a point, which may be chance. The surest look-alikes resemble one another; these show the network more of the building. Sixty near pairs at random score far lower, and so do the sixty most doubtful ones, those nearest one half: neither says much of look-alikes. Half surest look-alikes and half confident near pairs, as in exercise 5, lie in between.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory
@@ -1466,7 +1466,8 @@ corner, fridge = np.array([[-5.07, -12.85, 0.72], [2.97, -0.73, 0.48]])
 alone = np.tile(fridge, (1, 2 * reachability.k + 1, 1))  # one photo in place of five
 asked = reachability.prepare(reachability.view.render(scene, alone))
 chance = reachability.probability(Simulation(scene, corner[None]).observe(), asked)[0]
-print(f"{robot_name()}, can you get there? RE {chance:.2f}. I won't make that.")
+print(f"{robot_name()}, can you get there? RE {chance:.2f}.")
+print("I won't make that." if chance < 0.5 else "I think so.")
 show(side_by_side([photo(corner), photo(fridge)], ["what it sees", "the photo on the fridge"]))
 
 # %% [markdown]
