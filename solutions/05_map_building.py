@@ -1029,9 +1029,9 @@ league = League(
 mine = score_rule(my_rule)
 if mine == tuple(league.baselines["section 3's rule"]):
     print("So far your rule scores exactly as section 3's: nothing was excluded that mattered.")
-    league.table()
+    display(league.table())
 else:
-    league.enter(NAME, mine)
+    display(league.enter(NAME, mine))
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>

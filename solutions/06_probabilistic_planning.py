@@ -1027,9 +1027,9 @@ print(f"On the paths of decide {most} of these 16 arrive, so {most} would be per
 numbers = score_decide(my_decide)
 if numbers == tuple(league.baselines["decide, with its defaults"]):
     print("So far your my_decide scores exactly as decide does.")
-    league.table()
+    display(league.table())
 else:
-    league.enter(NAME, numbers)
+    display(league.enter(NAME, numbers))
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>

@@ -16,7 +16,10 @@ from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of
 
 # A busy machine is no defect.
-settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "patient", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.register_profile("thorough", settings.get_profile("patient"), max_examples=100)
 settings.load_profile("patient")
 
 
@@ -60,6 +63,8 @@ def pytest_cmdline_main(config):
 def pytest_configure(config):
     os.environ.setdefault("TUTORIAL_ANSWERS", "")  # answers that pass in a test are not kept
     config.addinivalue_line("markers", "full: runs only with --full")
+    if config.getoption("--full"):
+        settings.load_profile("thorough")
     if getattr(config.option, "tx", []):  # the workers inherit it
         for name, value in LIMITS.items():
             os.environ.setdefault(name, value)

@@ -32,7 +32,7 @@ TIMEOUT = 600.0
 """Seconds after which tests are stopped; a change by which they never end is killed."""
 KILLED, SURVIVED, STALE, BROKEN = "killed", "survived", "stale", "BROKEN"
 PYTEST = ["-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
-SEEDED = ("-p", "hypothesispytest", "--hypothesis-seed=0")
+SEEDED = ("--full", "-p", "hypothesispytest", "--hypothesis-seed=0")
 
 
 def copy_project(project, folder):

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -20,9 +21,11 @@ from tutorial_lib.commands.lab import lab_arguments
 from tutorial_lib.course import CHECKOUT, cache_folder
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.benchmarks import fleet, raycast
 from tutorial_lib.experiments.demos import navigation_demo, place_people, recorder
 from tutorial_lib.experiments.demos.learned_map import SHIPPED
 from tutorial_lib.experiments.demos.outcome import Outcome
+from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
 from tutorial_lib.experiments.robustness import plans
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import save_plan
@@ -74,13 +77,19 @@ def test_the_demo_navigates_by_sight_beside_an_oracle_on_the_same_task(
     assert said.count("reached the goal") == 2
 
 
-def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path, monkeypatch, capsys):
+def save_hall(folder):
+    """A ROS map of a hall of 10 x 8 m with a block in it."""
     image = np.full((160, 200), 254, np.uint8)
     image[[0, -1]] = image[:, [0, -1]] = 0
     image[60:100, 80:90] = 0
-    cv2.imwrite(str(tmp_path / "hall.png"), image)
+    cv2.imwrite(str(folder / "hall.png"), image)
     text = "image: hall.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
-    (tmp_path / "hall.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    (folder / "hall.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    return folder / "hall.yaml"
+
+
+def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path, monkeypatch, capsys):
+    save_hall(tmp_path)
     monkeypatch.setattr(navigation_demo, "PLACES", 3)
     monkeypatch.setattr(recorder, "EVERY", 20)
     shipped = {file: file.read_bytes() for file in SHIPPED.iterdir()}
@@ -430,13 +439,14 @@ def test_work_that_takes_long_is_told_again_and_again(monkeypatch, capsys):
 
 INTERRUPTED = """
 import runpy, signal, sys, time
-from tutorial_lib.experiments.demos.navigation_demo import agents
+from tutorial_lib.experiments.demos import navigation_demo
 from tutorial_lib.viz.figures.dashboard import RolloutFilm
 
 def stuck(*_):
     print("at work", flush=True)
     time.sleep(60)
 
+navigation_demo.PLACES = 3
 {what} = stuck
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run with nohup or &
 runpy.run_module("tutorial_lib", run_name="__main__")
@@ -445,12 +455,17 @@ runpy.run_module("tutorial_lib", run_name="__main__")
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")
 @pytest.mark.parametrize(
-    ("what", "arguments"), [("agents.meng", []), ("RolloutFilm.__getitem__", ["--oracle"])]
+    ("what", "arguments"),
+    [
+        ("navigation_demo.agents.meng", []),
+        pytest.param("RolloutFilm.__getitem__", ["--oracle"], marks=pytest.mark.full),
+    ],
 )
-def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, what, arguments):
+def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, tmp_path_factory, what, arguments):
     script = INTERRUPTED.format(what=what)
+    hall = save_hall(tmp_path_factory.mktemp("hall"))
     with subprocess.Popen(
-        [sys.executable, "-c", script, "demo", *arguments],
+        [sys.executable, "-c", script, "demo", "--map", hall, *arguments],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -468,18 +483,28 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, what, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("family", ["hall", "scanned"])
-def test_experiment_plans_runs_in_the_family_asked_for(family, capsys, monkeypatch):
+@pytest.fixture
+def few_drives(monkeypatch):
+    """The experiment on plans in this process, with ten drives in each of them."""
+    few = plans.Settings(goals=10)
+    entry = replace(plans.EXPERIMENT, settings=few, quick_settings=few)
+    monkeypatch.setitem(EXPERIMENTS, "plans", entry)
     monkeypatch.setattr(plans, "for_each", in_turn)
+
+
+@pytest.mark.usefixtures("few_drives")
+@pytest.mark.parametrize("family", ["hall", "scanned"])
+def test_experiment_plans_runs_in_the_family_asked_for(family, capsys):
     assert main(["experiment", "plans", "--worlds", "10502:10503", "--family", family]) == 0
     (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if family in line][:1]
-    assert row[:4] == [family, "1", "1", "20"]
+    assert row[:4] == [family, "1", "1", "10"]
     assert float(row[4]) >= 0.9
     assert row[5] == "0"
 
 
-def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(plans, "for_each", in_turn)
+@pytest.mark.full
+@pytest.mark.usefixtures("few_drives")
+def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
     arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]
     assert main(arguments) == 0
     saved = json.loads((tmp_path / "p.json").read_text())
@@ -487,13 +512,15 @@ def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys, monkeyp
     assert saved["worlds"] == [10_500]
     assert [row["family"] for row in saved["rows"]] == list(plans.USUAL)
     for row in saved["rows"]:
-        assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 20)
+        assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 10)
         assert row["success"] >= 0.9
         assert row["walls_crossed"] == 0
     assert "walls_crossed" in capsys.readouterr().out
 
 
-def test_bench_raycast_compares_every_method_at_every_size(tmp_path, capsys):
+def test_bench_raycast_compares_every_method_at_every_size(tmp_path, monkeypatch):
+    brief = replace(raycast.EXPERIMENT, quick_settings=raycast.Settings(seconds=0.02))
+    monkeypatch.setitem(BENCHMARKS, "raycast", brief)
     assert main(["bench", "raycast", "--quick", "--json", "b.json"]) == 0
     rows = json.loads((tmp_path / "b.json").read_text())["rows"]
     assert {row["walls"] for row in rows} == {50, 120, 500, 5000}
@@ -503,7 +530,9 @@ def test_bench_raycast_compares_every_method_at_every_size(tmp_path, capsys):
     assert all(row["frames_per_s"] > 0 for row in rows)
 
 
-def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, capsys):
+def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, monkeypatch):
+    brief = replace(fleet.EXPERIMENT, quick_settings=fleet.Settings(rounds=3))
+    monkeypatch.setitem(BENCHMARKS, "fleet", brief)
     assert main(["bench", "fleet", "--quick", "--json", "f.json"]) == 0
     saved = json.loads((tmp_path / "f.json").read_text())
     assert {row["method"] for row in saved["rows"]} == {"fleet", "separate"}

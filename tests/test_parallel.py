@@ -42,6 +42,7 @@ print(len({process for _, process in found}))
 """
 
 
+@pytest.mark.full
 def test_workers_that_have_grown_are_replaced_without_a_word():
     pytest.importorskip("psutil")
     done = subprocess.run(

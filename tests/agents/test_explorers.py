@@ -86,6 +86,7 @@ def test_with_true_geometry_the_paper_s_agent_hardly_fails(scenes, episodes, ran
                 assert (node, direction) not in graph.ghosts
 
 
+@pytest.mark.full
 def test_scores_pay_and_the_oracle_is_above_all(ran):
     spl = {name: ran(name)[0].spl.mean() for name in ("oracle", "nts", "no score", "fbe", "random")}
     assert spl["oracle"] > 0.95

@@ -338,6 +338,7 @@ class Still:
         return np.full(len(running), STOP)
 
 
+@pytest.mark.full
 def test_the_experiment_compares_three_methods_on_the_same_trials(monkeypatch):
     monkeypatch.setattr(second_visit, "for_each", in_turn)
     settings = second_visit.Settings(3, 1, geometry=True)

@@ -88,6 +88,7 @@ def test_after_a_check_no_limit_is_left():
 def test_a_loop_that_fills_the_memory_is_reported(monkeypatch):
     monkeypatch.setattr(guard, "SECONDS", 20.0)
     monkeypatch.setattr(guard, "WAITING", 40.0)
+    monkeypatch.setattr(guard, "MEMORY", 2e8)
 
     def greedy(x):
         kept = [np.ones(1)]

@@ -159,6 +159,7 @@ EXPLORERS = {
     "RandomWalkAgent": lambda model, one: agents.RandomWalkAgent(model, rng()),
     "OracleExplorer": lambda model, one: agents.OracleExplorer(one),
     "ImitationAgent": lambda model, one: agents.ImitationAgent(ROBOT),
+    "LifelongAgent": lambda model, one: agents.LifelongAgent(model, rng()),
 }
 
 
@@ -207,9 +208,12 @@ def back():
     return agents.ReturningAgent(meng())
 
 
-def look_for():
-    agent, one = explorer(EXPLORERS["NTSAgent"])
-    return call(agent.look_for, goals=a(one.goals()))
+def look_for(name):
+    def make():
+        agent, one = explorer(EXPLORERS[name])
+        return call(agent.look_for, goals=a(one.goals()))
+
+    return make
 
 
 DOORS = {
@@ -220,6 +224,7 @@ DOORS = {
         settings=a(SearchSettings(), optional=True),
         scorer=a(None, optional=True),
         reach=number(4.0, least=0),
+        recalls=flag(False),
         rng=a(rng(), optional=True),
     ),
     "ImitationAgent": lambda: call(agents.ImitationAgent, anything, policy=a(ROBOT)),
@@ -230,12 +235,30 @@ DOORS = {
         rng=a(rng()),
         settings=a(agents.NTSSettings(), optional=True),
     ),
-    "NTSAgent.look_for": look_for,
+    "NTSAgent.look_for": look_for("NTSAgent"),
+    "FrontierAgent.look_for": look_for("FrontierAgent"),
+    "LifelongAgent.look_for": look_for("LifelongAgent"),
+    "LifelongAgent": lambda: call(
+        agents.LifelongAgent,
+        anything,
+        model=a(model_of(task())),
+        rng=a(rng()),
+        settings=a(agents.LifelongSettings(), optional=True),
+    ),
+    "LifelongSettings": lambda: call(
+        agents.LifelongSettings,
+        exploring=a(agents.NTSSettings()),
+        recalls_looks=flag(True),
+        metric=flag(True),
+        travel=number(0.02, least=0),
+        relocates=flag(True),
+    ),
     "NTSSettings": lambda: call(
         agents.NTSSettings,
         anything,
         use_graph=flag(True),
         use_score=flag(True),
+        closes_loops=flag(False),
         same_node=number(0.5, least=0),
         explorable=number(0.5, least=0),
         directions=whole(12, least=1),
@@ -251,6 +274,7 @@ DOORS = {
         settings=a(SearchSettings(), optional=True),
     ),
     **explores("NTSAgent"),
+    **explores("LifelongAgent"),
     **explores("FrontierAgent"),
     **explores("RandomWalkAgent"),
     **explores("OracleExplorer"),

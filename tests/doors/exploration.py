@@ -111,6 +111,20 @@ DOORS = {
         limit=whole(5, least=1),
         stops_itself=flag(True),
     ),
+    "ExplorationTask.carry": lambda: call(
+        task().carry,
+        poses=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty"),
+    ),
+    "ExplorationTask.goals": lambda: call(
+        task().goals, anything, robots=integers([0], ("M",), least=0, most=1, optional=True)
+    ),
+    "ExplorationTask.replace": lambda: call(
+        task().replace,
+        anything,
+        robots=integers([0, 1], ("M",), least=0, most=1, refuses="longer M, shorter M, empty"),
+        episodes=a(task().episodes),
+        scenes=a(task().scenes),
+    ),
     "ExplorationTask.next_goals": lambda: call(
         task().next_goals,
         goals=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty", either="bool, huge"),
@@ -131,6 +145,13 @@ DOORS = {
         directions=whole(12, least=1),
         radius=number(3.0, least=0),
     ),
+    "GhostGraph.absorb": lambda: call(
+        graph().absorb,
+        other=a(graph()),
+        node=whole(0, least=0, most=1),
+        theirs=whole(1, least=0, most=1),
+        pose=floats([4.0, 0.0, 0.0], (3,)),
+    ),
     "GhostGraph.add_node": lambda: call(
         graph().add_node,
         explorable=flags([True, False, True, False], ("K",), refuses="longer K, shorter K, empty"),
@@ -145,6 +166,7 @@ DOORS = {
         second=whole(1, least=0, most=1),
         pose=floats([4.0, 0.0, 0.0], (3,)),
     ),
+    "GhostGraph.metres_from": lambda: call(graph().metres_from, node=node()),
     "GhostGraph.path": lambda: call(graph().path, start=node(), end=node(1)),
     "GhostGraph.place_of": lambda: call(graph().place_of, ghost=a(GHOST)),
     "GhostGraph.poses_from": lambda: call(graph().poses_from, node=node()),
@@ -156,6 +178,7 @@ DOORS = {
         side=number(4.0, above=0, most=1000),
         reach=number(3.0, least=0),
     ),
+    "LocalMaps.forget": lambda: call(maps().forget, robot=whole(0, least=0, most=1)),
     "LocalMaps.cells": lambda: call(
         maps().cells, robots=robots(), points=floats(np.zeros((2, 2)), ("M", 2))
     ),
@@ -225,6 +248,7 @@ DOORS = {
         goals=floats(GOALS, ("N", 3), empty=False, either="huge, bool, negative"),
         count=whole(2, least=1, most=10**6),
         rng=a(np.random.default_rng(0)),
+        metres=floats([1.5, 5.0], (2,), least=0, either="huge, bool"),
     ),
     "exploration_world": lambda: call(
         exploration.exploration_world,
@@ -255,4 +279,7 @@ DOORS = {
         bearings.column_of, bearings=floats([0.5, 1.0]), columns=whole(8, least=1)
     ),
 }
-WITHOUT = {}
+WITHOUT = {
+    "Destination": "holds what an agent has chosen; nothing to refuse",
+    "ghost_places": "of an agent's own memory, whose graph has checked its ghosts",
+}

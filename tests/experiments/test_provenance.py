@@ -137,6 +137,7 @@ def test_a_canary_of_another_processor_tells_nothing(one_result, capsys, monkeyp
     assert "its canary is of another kind of processor" in capsys.readouterr().out
 
 
+@pytest.mark.full
 def test_the_canary_counts_the_networks_of_its_own_run():
     found = made_from("meng_fig5", Options())
     stored = load_results().reports["meng_fig5"].made_from

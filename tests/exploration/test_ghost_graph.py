@@ -70,7 +70,7 @@ def check_ghosts(graph, before, new, ranges):
         assert (key not in graph.ghosts) == gone, (key, gone)
 
 
-@settings(max_examples=400)
+@settings(max_examples=100)
 @given(st.integers(0, 2**32 - 1))
 def test_invariants_in_random_episodes(seed):
     rng = np.random.default_rng(seed)

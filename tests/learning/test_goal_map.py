@@ -1,5 +1,7 @@
 """The learned global goal: half-explored maps, the network, and the scorer behind its seam."""
 
+from functools import partial
+
 import joblib
 import numpy as np
 import pytest
@@ -182,11 +184,13 @@ def test_it_trains_on_shipped_features_and_refuses_others(seeing, tmp_path, monk
                 name,
                 lambda name, function=function, **more: function(name, weights, **more),
             )
+    monkeypatch.setattr(goal_map_recipes, "GoalMapSource", partial(GoalMapSource, targets=8))
     settings = Settings(max_steps=2, targets=4, warmup_steps=2, eval_interval=1)
     architecture = GoalMapArchitecture("rgbd")
     recipe = BaselineRecipe(
-        "tiny", "train ans_like --sensor rgbd", architecture, settings, "nts_rgbd", 1, 1, COUNTS
-    )
+        "tiny", "train ans_like --sensor rgbd", architecture, settings, "nts_rgbd", 1, 1,
+        {"hard": 2},
+    )  # fmt: skip
     with joblib.parallel_config(backend="threading"):
         network, card = train_goal_map(recipe, tmp_path)
     save_network(network, card, weights)

@@ -1,6 +1,7 @@
 """Behaviour cloning: the expert, its recording, the recurrent policy and its recipe."""
 
 from dataclasses import replace
+from functools import partial
 
 import joblib
 import numpy as np
@@ -13,7 +14,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.motion import exact_motions, move
 from tutorial_lib.interfaces import RecurrentPolicy
-from tutorial_lib.learning import imitation_data, recipes
+from tutorial_lib.learning import imitation_data, imitation_recipes, recipes
 from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedImitation
 from tutorial_lib.learning.imitation_data import (
@@ -199,14 +200,14 @@ def tiny(tmp_path, monkeypatch):
     settings = Settings(max_steps=2, targets=2, warmup_steps=2, eval_interval=1)
     recipe = BaselineRecipe(
         "tiny", "train il --sensor rgb", ImitationArchitecture("rgb"), settings, "start", 1, 1,
-        {"easy": 2},
+        {"easy": 1},
     )  # fmt: skip
     monkeypatch.setitem(IMITATION, "rgb", recipe)
     monkeypatch.setattr(recipes, "WORK", tmp_path / "work")
     monkeypatch.setattr(train_command, "PROJECT", tmp_path)
     monkeypatch.setattr(train_command, "save_network", lambda *both: save_network(*both, folder))
-    from tutorial_lib.learning import imitation_recipes
-
+    source = partial(ImitationSource, worlds=2)
+    monkeypatch.setattr(imitation_recipes, "ImitationSource", source)
     for name, function in (("load_card", load_card), ("load_network", load_network)):
         monkeypatch.setattr(
             imitation_recipes,

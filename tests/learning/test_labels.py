@@ -58,8 +58,8 @@ def near(recorded):
     Farther apart than the pairs that are learnt from, so that many are hidden from each other.
     """
     rng = np.random.default_rng(4)
-    targets = rng.integers(len(recorded.poses), size=90)
-    sources = recorded.frame_at(targets, rng.uniform(-6.0, 1.0, 90))
+    targets = rng.integers(len(recorded.poses), size=45)
+    sources = recorded.frame_at(targets, rng.uniform(-6.0, 1.0, 45))
     starts, _ = perturbed(recorded.scene, recorded.poses[sources], PAPER_PERTURBATION, rng)
     return starts, sources, targets
 
@@ -79,7 +79,7 @@ def test_waypoints_are_what_brute_force_finds(recorded, near):
             assert to_world(start, found[n]) == pytest.approx(wanted, abs=1e-9)
             not_the_target += not np.allclose(wanted, track[target, :2])
     assert compared > 0.9 * len(starts)
-    assert not_the_target > 12
+    assert not_the_target > 5
 
 
 def test_a_labelled_waypoint_is_in_sight_and_the_target_is_it_where_that_is_so(recorded, near):

@@ -121,16 +121,16 @@ def driven(monkeypatch):
 
 
 def test_a_world_is_recorded_once_and_again_where_something_changed(tmp_path, driven):
-    def record(targets=2, cars=2):
-        (path,) = record_outcomes([WORLD], CONTROLLER, targets, cars, tmp_path, jobs=1)
+    def record(targets=1):
+        (path,) = record_outcomes([WORLD], CONTROLLER, targets, 1, tmp_path, jobs=1)
         return path
 
     path = record()
     whole = path.read_bytes()
-    outcomes = load_outcomes(path, recipe_of(CONTROLLER, 2, 2))
-    (path_of_trajectories,) = record_demonstrations([WORLD], 2, 0, tmp_path / "demonstrations", 1)
+    outcomes = load_outcomes(path, recipe_of(CONTROLLER, 1, 1))
+    (path_of_trajectories,) = record_demonstrations([WORLD], 1, 0, tmp_path / "demonstrations", 1)
     frames = sum(len(trajectory) for trajectory in load_trajectories(path_of_trajectories))
-    assert len(outcomes) <= 10
+    assert 0 < len(outcomes) <= 5
     assert outcomes.pairs.targets.max() < frames
     assert not (outcomes.reached & outcomes.collided).any()
     assert record().read_bytes() == whole
@@ -138,13 +138,13 @@ def test_a_world_is_recorded_once_and_again_where_something_changed(tmp_path, dr
     path.write_bytes(whole[:999])
     assert record().read_bytes() == whole  # what was damaged is the same again
     assert driven == [WORLD] * 2
-    record(targets=1)
-    assert len(load_outcomes(path, recipe_of(CONTROLLER, 1, 2))) <= 5
+    record(targets=2)
+    assert len(load_outcomes(path, recipe_of(CONTROLLER, 2, 1))) > len(outcomes)
     assert driven == [WORLD] * 3
 
 
 def test_outcomes_belong_to_their_demonstrations(tmp_path, driven):
-    for cars in (2, 3):
+    for cars in (1, 2):
         record_outcomes([WORLD], CONTROLLER, 1, cars, tmp_path, jobs=1)
     assert driven == [WORLD] * 2
 

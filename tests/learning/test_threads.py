@@ -29,16 +29,17 @@ def run(*arguments, **environment):
     return [int(number) for number in found.stdout.split()]
 
 
-@pytest.mark.parametrize("name", OURS)
-def test_the_environment_decides(name):
-    assert run(f"{LOADED}; {SHOWN}", **{name: "2"}) == [2]
+def test_the_environment_decides():
+    assert run(f"{LOADED}; {SHOWN}", OMP_NUM_THREADS="2") == [2]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a process of its own for each takes long")
 def test_the_first_network_sets_one_thread_unless_a_number_is_set_before_or_later():
-    (usual,) = run(SHOWN)
     imported = "from tutorial_lib.learning import WaypointNetwork, use_threads"
+    usual = "torch.get_num_threads()"
     expected = {
+        "pass": usual,
+        f"os.environ['MKL_NUM_THREADS'] = '2'; {LOADED}": usual,
         LOADED: 1,
         f"torch.set_num_threads(3); {LOADED}": 3,
         f"{imported}; torch.set_num_threads(3); {LOADED}": 3,
@@ -46,5 +47,6 @@ def test_the_first_network_sets_one_thread_unless_a_number_is_set_before_or_late
     }
     if sys.platform == "linux" and os.uname().machine == "x86_64":  # where MKL knows
         expected[f"torch.set_num_threads({usual}); {LOADED}"] = usual
-    codes = [f"{code}; {SHOWN}" for code in expected]
-    assert dict(zip(expected, run(EACH, *codes), strict=True)) == expected
+    found = run(EACH, *(f"{code}; {SHOWN}" for code in expected))
+    wanted = [found[0] if number == usual else number for number in expected.values()]
+    assert dict(zip(expected, found, strict=True)) == dict(zip(expected, wanted, strict=True))

@@ -398,7 +398,7 @@ def test_evaluations_come_at_the_interval_and_at_the_end(source, validation, fin
     assert [evaluation["step"] for evaluation in progress.history] == [4, 7]
 
 
-@pytest.mark.parametrize("steps", [0, 2, 4, 11, 19])
+@pytest.mark.parametrize("steps", [2, 4, 19])
 def test_a_killed_training_goes_on_to_the_same_weights(
     source, validation, finished, tmp_path, monkeypatch, steps
 ):
@@ -487,7 +487,7 @@ def test_training_ends_when_it_gets_no_better(source, monkeypatch, tmp_path):
     assert there == progress
 
 
-@pytest.mark.parametrize("steps", [7, 9, 14])
+@pytest.mark.parametrize("steps", [7, 14])
 def test_a_killed_training_ends_as_early(source, monkeypatch, tmp_path, steps):
     impatient, losses = replace(SETTINGS, patience=2), [3.0, 1.0, 2.0, 1.0, 0.5]
     scripted(monkeypatch, losses)
@@ -514,10 +514,18 @@ def test_progress_knows_when_it_is_over():
     assert after(2.0, 1.0, 3.0, 1.5).is_over(2)
 
 
-@pytest.fixture
-def checkpoint(source, validation, tmp_path):
-    path = tmp_path / "tiny.pt"
+@pytest.fixture(scope="module")
+def saved(source, validation, tmp_path_factory):
+    """The checkpoint of a training that has ended."""
+    path = tmp_path_factory.mktemp("saved") / "tiny.pt"
     train(TINY, source, validation, replace(SETTINGS, eval_interval=20), path)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def checkpoint(saved, tmp_path):
+    path = tmp_path / "tiny.pt"
+    path.write_bytes(saved)
     return path
 
 
@@ -557,7 +565,7 @@ def write_sealed(path, state):
 
 def test_a_checkpoint_in_which_a_single_bit_fell_over_is_refused(source, validation, checkpoint):
     whole = checkpoint.read_bytes()
-    for place in np.linspace(0, 8 * len(whole) - 1, 97).astype(int).tolist():
+    for place in np.linspace(0, 8 * len(whole) - 1, 41).astype(int).tolist():
         changed = bytearray(whole)
         changed[place // 8] ^= 1 << place % 8
         checkpoint.write_bytes(changed)

@@ -447,9 +447,9 @@ def tiny(tmp_path, monkeypatch):
         "train waypoint --k 0",
         Architecture(0, "pair", outputs="action"),
         Settings(max_steps=4, targets=2, eval_interval=2),
-        worlds=2,
+        worlds=1,
         validation_worlds=1,
-        cars=3,
+        cars=2,
     )
     monkeypatch.setitem(recipes.WAYPOINT, "0", recipe)
     monkeypatch.setattr(recipes, "Source", partial(Source, worlds=2, targets=4))
@@ -469,7 +469,7 @@ def test_the_command_trains_saves_and_goes_on_where_it_was_stopped(tiny, tmp_pat
         before = path.read_bytes()
         card = load_card("tiny", path.parent)
         assert card.recipe["max_steps"] == 4
-        assert card.recipe["worlds"] == 2
+        assert card.recipe["worlds"] == 1
         assert card.validation["step"] in (2, 4)
         assert load_network("tiny", path.parent).architecture == tiny.architecture
         path.unlink()

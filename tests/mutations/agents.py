@@ -103,7 +103,7 @@ MUTATIONS = [
     (
         "a goal that the graph remembers is looked for anew",
         "agents/nts.py",
-        "robot.go_to(self._remembered(nodes, self.search.goals[number]))",
+        "robot.go_to(self._recalled(number))",
         "robot.go_to(None)",
         "agents/test_explorers.py -k remembered",
     ),

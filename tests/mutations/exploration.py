@@ -221,8 +221,8 @@ MUTATIONS = [
     (
         "without a frontier the robot stays",
         "agents/frontier.py",
-        "                self._targets[robot] = self._seen_place(robot)\n",
-        "                self._targets[robot] = here\n",
+        "sights[0] if len(sights) else self._seen_place(robot)",
+        "sights[0] if len(sights) else here",
         "agents/test_exploring.py -k once_all",
     ),
     (
@@ -277,7 +277,7 @@ MUTATIONS = [
     (
         "a robot that is localised in a node trusts its odometry more than F_R",
         "exploration/graph_update.py",
-        "memory.enter(node, None if known else place)",
+        "memory.enter(node, None if known else guess)",
         "memory.enter(node)",
         "exploration/test_global_policy.py",
     ),

@@ -143,6 +143,7 @@ def faults(lab):
     return check(lab, write(lab, "self_test_faults.ipynb", FAULTS), change=2)
 
 
+@pytest.mark.full
 def test_it_drives_a_notebook_that_is_right(lab):
     report = check(lab, write(lab, "self_test_drives.ipynb", DRIVES))
     assert report.problems == []
@@ -171,6 +172,7 @@ def test_it_finds(faults, problem):
     assert any(found.startswith(problem) for found in faults.problems), faults.problems
 
 
+@pytest.mark.full
 def test_a_question_of_jupyterlab_is_reported_at_once(lab):
     notebook = write(lab, "self_test_kernel.ipynb", ["1"])
     notebook.write_text(notebook.read_text().replace('"python3"', '"no_such_kernel"'))

@@ -36,7 +36,7 @@ SEPARATE = {
 }
 
 LOOP = {"geodesics", "metrics", "rollouts"}
-STUDIES = ("meng2020", "nts", "ltvn", "robustness", "benchmarks", "demos")
+STUDIES = ("meng2020", "nts", "ltvn", "race", "robustness", "benchmarks", "demos")
 NOTEBOOKS = [f"nb{number:02}" for number in range(10)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
@@ -56,6 +56,7 @@ INSIDE = {
         "common": set(),
         "protocols": {"common"},
         **{study: {"common", "protocols"} for study in STUDIES},
+        "demos": {"common", "protocols", "race"},
         "registry": {"common", "protocols", *STUDIES},
         "provenance": {"common", "registry"},
         "results_page": {"common", "protocols", "provenance", *STUDIES},

@@ -2,6 +2,7 @@
 
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.imitation import ImitationAgent
+from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.meng import MengAgent
@@ -20,6 +21,8 @@ __all__ = [
     "FrontierAgent",
     "ImitationAgent",
     "LTVNAgent",
+    "LifelongAgent",
+    "LifelongSettings",
     "MendingMengAgent",
     "MengAgent",
     "NTSAgent",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.looks import Looks, not_at
 from tutorial_lib.exploration.frontier import (
     CROP,
     SIDE,
@@ -20,7 +21,7 @@ from tutorial_lib.exploration.local_map import REACH, LocalMaps
 from tutorial_lib.interfaces import ExplorationModel, FrontierScorer
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.validation import instance, number, with_methods
+from tutorial_lib.validation import flag, instance, number, with_methods
 
 _ARRIVED = 0.4  # metres from a frontier, or from the end of the path to it
 _TIMEOUT = (40, 12)  # steps towards a frontier, and the same for each metre
@@ -36,6 +37,7 @@ class FrontierAgent:
 
     Attributes:
         search: the robots' maps and goals.
+        looks: of each robot, where it recalls goals from them.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class FrontierAgent:
         *,
         scorer: FrontierScorer | None = None,
         reach: float = REACH,
+        recalls: bool = False,
         rng: np.random.Generator | None = None,
     ) -> None:
         """Explore.
@@ -55,6 +58,8 @@ class FrontierAgent:
             scorer: prefers frontiers, as Active Neural SLAM's global policy does; without it the
                 nearest one is taken.
             reach: metres of depth that are entered into the map.
+            recalls: goes to where it saw a goal while it looked for others; without, only its map
+                outlives a goal.
             rng: draws places once no frontier is left, from a stream of its own for each robot;
                 of seed 0 unless given.
         """
@@ -65,7 +70,7 @@ class FrontierAgent:
             instance("rng", rng, np.random.Generator)
         if settings is not None:
             instance("settings", settings, SearchSettings)
-        self._reach = number("reach", reach, least=0.0)
+        self._reach, self._recalls = number("reach", reach, least=0.0), flag("recalls", recalls)
         self._settings = SearchSettings() if settings is None else settings
         self._rng = np.random.default_rng(0) if rng is None else rng
 
@@ -77,10 +82,25 @@ class FrontierAgent:
         self.search = GoalSearch(self._model, goals, self._settings, maps)
         self._targets, self._left = np.full((count, 2), np.nan), np.zeros(count)
         self._returns, self._streams = np.zeros(count, bool), self._rng.spawn(count)
+        self.looks = [Looks() for _ in range(count)]
+        self._sights = [np.zeros((0, 2))] * count
+
+    def look_for(self, goals: Observation) -> None:
+        """Go on to other goals (N,), and keep the maps."""
+        self.search.look_for(goals)
+        self._targets[:] = np.nan
+        if self._recalls:
+            least = self._settings.visible
+            rows = zip(self.looks, self.search.goals, strict=True)
+            self._sights = [looks.places(self._model, goal, least) for looks, goal in rows]
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
         """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
         sensed = self.search.sense(observations, running)
+        if self._recalls:
+            rows = zip(sensed.looking.tolist(), sensed.features, strict=True)
+            for row, features in rows:
+                self.looks[sensed.robots[row]].keep(sensed.odometry[row], features)
         due = self._due(sensed)
         if self._scorer is not None:  # it compares what is seen, so robots look first
             self.search.look_again(sensed.robots[due])
@@ -109,6 +129,8 @@ class FrontierAgent:
         closed = over & is_open & ~self._returns[robots]
         self.search.maps.close(robots[closed], targets[closed])
         self.search.look_again(robots[over])
+        for robot in robots[over & self._returns[robots]]:
+            self._sights[robot] = not_at(self._sights[robot], self._targets[robot])
         return rows[none | over | ~(is_open | self._returns[robots])]
 
     def _choose(self, sensed: Sensed, due: NDArray[np.intp]) -> None:
@@ -127,8 +149,10 @@ class FrontierAgent:
         self._targets[chosen] = found.places[best]
         self._left[chosen] = _TIMEOUT[0] + _TIMEOUT[1] * found.metres[best]
         for robot, here in zip(robots, odometry[:, :2], strict=True):
-            if self._returns[robot]:
-                self._targets[robot] = self._seen_place(robot)
+            sights = self._sights[robot]
+            if len(sights) or self._returns[robot]:
+                self._returns[robot] = True
+                self._targets[robot] = sights[0] if len(sights) else self._seen_place(robot)
                 metres = float(np.linalg.norm(self._targets[robot] - here))
                 self._left[robot] = _TIMEOUT[0] + _TIMEOUT[1] * metres
 

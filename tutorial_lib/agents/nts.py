@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.walls import match_walls
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
@@ -14,6 +15,7 @@ from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.global_policy import choose_ghost, subgoal
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.graph_update import GraphUpdate, Localisation, Memory, free_metres
+from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, to_world
@@ -35,6 +37,8 @@ class NTSSettings:
         directions: of each node, as many as the model has; 12 in the paper.
         radius: metres from a node to its ghosts, as of the model's; 3 in the paper.
         localisation: how a robot finds itself in its graph.
+        closes_loops: walls say where a robot is in its node, so that drift does not add up (beyond
+            the paper).
         search: how the goal is noticed.
     """
 
@@ -45,11 +49,13 @@ class NTSSettings:
     directions: int = DIRECTIONS
     radius: float = RADIUS
     localisation: Localisation = field(default_factory=Localisation)
+    closes_loops: bool = False
     search: SearchSettings = field(default_factory=SearchSettings)
 
     def __post_init__(self) -> None:
         flag("use_graph", self.use_graph)
         flag("use_score", self.use_score)
+        flag("closes_loops", self.closes_loops)
         floats("same_node", self.same_node, (), least=0.0)
         floats("explorable", self.explorable, (), least=0.0)
         whole("directions", self.directions, least=1, most=10_000)
@@ -78,9 +84,9 @@ class NTSAgent:
         settings = NTSSettings() if settings is None else settings
         self._settings = instance("settings", settings, NTSSettings)
         chosen = self._settings
-        self._update = GraphUpdate(
-            model, chosen.same_node, chosen.explorable, chosen.radius, chosen.localisation
-        )
+        matcher = match_walls if chosen.closes_loops else None
+        rules = chosen.radius, chosen.localisation, matcher
+        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable, *rules)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
@@ -90,9 +96,13 @@ class NTSAgent:
             ExploringRobot(rng, Memory(GhostGraph(chosen.directions, chosen.radius)))
             for rng in self._rng.spawn(count)
         ]
-        self.search = GoalSearch(self._model, goals, self._settings.search)
+        self.search = GoalSearch(self._model, goals, self._settings.search, self._maps(count))
         self._targets, self._last = np.zeros((count, 2)), np.zeros(count, bool)
         self._reacting = np.zeros(count, bool)
+
+    def _maps(self, count: int) -> LocalMaps | None:
+        """The maps over which robots drive; small ones, unless a kind of agent has others."""
+        del count
 
     def look_for(self, goals: Observation) -> None:
         """Go on to other goals (N,), and keep graphs and maps (section 6.1)."""
@@ -103,7 +113,7 @@ class NTSAgent:
             if robot.memory.features and self._settings.use_graph:
                 nodes = np.array(robot.memory.features)
                 robot.scores = list(self._scores(nodes, np.full(len(nodes), number)))
-                robot.go_to(self._remembered(nodes, self.search.goals[number]))
+                robot.go_to(self._recalled(number))
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
         """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
@@ -161,13 +171,18 @@ class NTSAgent:
 
     def _choose(self, robot: ExploringRobot) -> Destination:
         """The best ghost; where none is left, a node, from which the goal may be seen."""
-        memory, scores = robot.memory, np.array(robot.scores)
-        if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
-            scores = robot.rng.random(scores.shape)
-        ghost = choose_ghost(memory, scores, robot.rng)
+        memory = robot.memory
+        ghost = choose_ghost(memory, self._worth(robot), robot.rng)
         if ghost is None:
             return Destination(int(robot.rng.integers(len(memory.graph))), np.zeros(2))
         return Destination(ghost.node, memory.graph.place_of(ghost), ghost)
+
+    def _worth(self, robot: ExploringRobot) -> Array:
+        """What ghosts (V, K) are worth by which the best is chosen: their scores."""
+        scores = np.array(robot.scores)
+        if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
+            scores = robot.rng.random(scores.shape)
+        return scores
 
     def _react(self, sensed: Sensed) -> None:
         """Without a graph: drive in the best direction of the present panorama."""
@@ -213,6 +228,11 @@ class NTSAgent:
             drawn = [self.robots[number].rng.random(count) for number in robots]
             return np.array(drawn).reshape(len(robots), count)
         return self._model.scores(features, self.search.goals[robots])
+
+    def _recalled(self, number: int) -> Destination | None:
+        """Where a robot goes for its new goal before it explores, if it knows."""
+        nodes = np.array(self.robots[number].memory.features)
+        return self._remembered(nodes, self.search.goals[number])
 
     def _remembered(
         self, nodes: NDArray[np.float32], goal: NDArray[np.float32]

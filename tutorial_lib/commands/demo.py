@@ -27,7 +27,7 @@ ghosts of which it chooses some; with seed 0 it would be one straight corridor."
 LIFELONG_REFUSES = (
     *("map", "region", "family", "seed", "start", "goal", "oracle", "learn", "explore"),
 )
-"""Options that do not count beside `--lifelong`, whose building and trip are always the same."""
+"""Options that do not count beside `--lifelong` and `--life`, whose building is always the same."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
 
 
@@ -62,10 +62,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="film the first, the tenth and the hundredth query on a map that mends itself, in an "
         "office where a door is shut and opened again",
     )
+    parser.add_argument(
+        "--life",
+        action="store_true",
+        help="film the first, the third and the tenth visit of a robot to a building that it "
+        "explores, remembers and knows better each time",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
+    if options.life:
+        return 0 if _visit(options) else MISSED
     if options.lifelong:
         return 0 if _live(options) else MISSED
     if options.region is not None and options.map is None:
@@ -95,6 +103,25 @@ def _live(options: argparse.Namespace) -> bool:
     print(f"{life.plan}, from {life.rooms[0]} to {life.rooms[1]}, three times:")
     for line in life.story:
         print(f"  {line}")
+    print(f"Look at {life.film} and {life.strip}; the figures are in demo.json.")
+    return life.reached
+
+
+def _visit(options: argparse.Namespace) -> bool:
+    """Ten visits to one building; whether the goal was reached in all that are filmed."""
+    _refuse(options, "life", (*LIFELONG_REFUSES, "lifelong"))
+    with Narrator() as say:
+        say("importing the library")
+        from tutorial_lib.experiments.demos.visits_demo import run_visits_demo
+
+        life = run_visits_demo(Path.cwd(), say=say)
+    print(f"{life.plan}, ten goals one after another:")
+    for visit in life.visits:
+        print(
+            f"  visit {visit.number}: {visit.ending}, after {visit.steps} actions (SPL "
+            f"{visit.spl:.2f}); {visit.nodes} nodes; odometry is off by {visit.drift:.0f} degrees, "
+            f"the robot by {visit.off:.0f}"
+        )
     print(f"Look at {life.film} and {life.strip}; the figures are in demo.json.")
     return life.reached
 

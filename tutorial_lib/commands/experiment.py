@@ -45,6 +45,8 @@ ABLATIONS = {
     "rules": "the agent with rules of the paper that it has not",
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
+    "carried": "lives in which somebody carries the robot elsewhere, twice",
+    "ingredients": "the combined agent without one of its parts each",
     "parts": "the agent without one of its parts at a time",
 }
 """What else an experiment compares, by name: these run in its place."""

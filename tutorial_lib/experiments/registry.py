@@ -33,6 +33,7 @@ from tutorial_lib.experiments.nts import scores as nts_scores
 from tutorial_lib.experiments.nts import second_visit, wayfinding
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.nts import table2 as nts_table2
+from tutorial_lib.experiments.race import ten_visits
 from tutorial_lib.experiments.robustness import disturbances, faults, plans
 
 _EXPERIMENTS = (
@@ -58,6 +59,7 @@ _EXPERIMENTS = (
     nts_table2,
     nts_fig8,
     nts_figs,
+    ten_visits,
     second_visit,
     ltvn_label,
     ltvn_model,

@@ -122,21 +122,24 @@ def draw_episodes(
         whole(f"counts: {difficulty}", count, least=0, most=_MOST)
     if not sum(counts.values()):
         raise InputError(f"episodes: counts {counts}; ask for at least one")
-    places = _Places(scene)
-    rows = [places.draw(name, rng) for name, count in counts.items() for _ in range(count)]
-    starts, goals, shortest = (np.array(column) for column in zip(*rows, strict=True))
-    names = tuple(name for name, count in counts.items() for _ in range(count))
-    return Episodes((world,) * len(rows), starts, goals, shortest, names)
+    return EpisodeSource(world, scene).draw(counts, rng)
 
 
-def draw_sequence(scene: Scene, goals: Array, count: int, rng: np.random.Generator) -> Array:
+def draw_sequence(
+    scene: Scene,
+    goals: Array,
+    count: int,
+    rng: np.random.Generator,
+    metres: tuple[float, float] = SEQUENTIAL,
+) -> Array:
     """Sequential goals (count, N, 3): the first are given, each other lies near the one before.
 
     Args:
         scene: the world of all.
         goals: (N, 3) the first ones.
         count: of goals for each robot, the first included.
-        rng: draws the others, `SEQUENTIAL` geodesic metres away.
+        rng: draws the others.
+        metres: geodesic, from and up to which a goal is away from the one before.
 
     Raises:
         InputError: when there is no such place.
@@ -144,9 +147,12 @@ def draw_sequence(scene: Scene, goals: Array, count: int, rng: np.random.Generat
     _check_drawn(scene, rng)
     goals = floats("goals", goals, ("N", 3), empty=False)
     whole("count", count, least=1, most=_MOST)
-    places, chain = _Places(scene), [goals]
+    low, high = floats("metres", metres, (2,), least=0.0).tolist()
+    if not low < high:
+        raise InputError(f"metres: {low:g} to {high:g}; give the lower first")
+    source, bounds, chain = EpisodeSource("", scene), (low, high), [goals]
     for _ in range(count - 1):
-        chain.append(np.array([places.near(goal, SEQUENTIAL, rng) for goal in chain[-1]]))
+        chain.append(np.array([source.near(goal, bounds, rng) for goal in chain[-1]]))
     return np.stack(chain)
 
 
@@ -155,45 +161,66 @@ def _check_drawn(scene: Scene, rng: np.random.Generator) -> None:
     instance("rng", rng, np.random.Generator)
 
 
-class _Places:
-    """Where a robot can start or find a goal in one world."""
+class EpisodeSource:
+    """Draws episodes in one world, of which it knows all places where a robot can be."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._paths = GridPaths(scene.clearance)
+    def __init__(self, world: str, scene: Scene) -> None:
+        """Look for the places of `scene`, whose name is `world`."""
+        self._world, self._paths = world, GridPaths(scene.clearance)
         self._points = self._paths.points[self._paths.largest]
 
-    def draw(self, difficulty: str, rng: np.random.Generator) -> tuple[Array, Array, float]:
-        """Start, goal and the metres between them."""
+    def draw(self, counts: dict[str, int], rng: np.random.Generator, starts: int = 1) -> Episodes:
+        """Episodes of each difficulty, unchecked; see `draw_episodes`.
+
+        Args:
+            counts: goals of each difficulty.
+            rng: draws them.
+            starts: episodes towards each goal; the distances to a goal take longest.
+        """
+        parts = [
+            self._to_a_goal(name, rng, starts)
+            for name, count in counts.items()
+            for _ in range(count)
+        ]
+        places, goals, metres = (np.concatenate(column) for column in zip(*parts, strict=True))
+        names = tuple(name for name, count in counts.items() for _ in range(count * starts))
+        return Episodes((self._world,) * len(goals), places, goals, metres, names)
+
+    def near(self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator) -> Array:
+        """A pose (3,) so many metres from another one."""
+        found = self._around(goal, bounds, rng, 1)
+        if found is None:
+            raise InputError("goals: no place is that far from the one before; take another world")
+        return found[0][0]
+
+    def _to_a_goal(
+        self, difficulty: str, rng: np.random.Generator, count: int
+    ) -> tuple[Array, Array, Array]:
+        """Starts (C, 3), a goal as often, and the metres (C,) between them."""
         if difficulty not in DIFFICULTIES:
             raise InputError(
                 f"difficulty: {difficulty!r} is unknown; use one of {', '.join(DIFFICULTIES)}"
             )
         for _ in range(_GOALS):
             goal = self._pose(self._points[rng.integers(len(self._points))], rng)
-            found = self._around(goal, DIFFICULTIES[difficulty], rng)
+            found = self._around(goal, DIFFICULTIES[difficulty], rng, count)
             if found is not None:
-                return found[0], goal, found[1]
+                return found[0], np.repeat(goal[None], count, axis=0), found[1]
         raise InputError(f"episodes: no {difficulty} one fits into this world; take a larger one")
 
-    def near(self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator) -> Array:
-        """A pose so many metres from another one."""
-        found = self._around(goal, bounds, rng)
-        if found is None:
-            raise InputError("goals: no place is that far from the one before; take another world")
-        return found[0]
-
     def _around(
-        self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator
-    ) -> tuple[Array, float] | None:
-        """A pose so many metres from a goal, and how many; None where there is none."""
+        self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator, count: int
+    ) -> tuple[Array, Array] | None:
+        """Poses (C, 3) so many metres from a goal, and how many (C,); None where there is none."""
         metres = self._paths.fields(goal[None, :2], shortest=True).distance(self._points)
         # A path of 1.5 m around a corner may end nearer than `SUCCESS`: stop would succeed at once.
         apart = np.linalg.norm(self._points - goal[:2], axis=1) >= SUCCESS
         near = np.flatnonzero(apart & (metres >= bounds[0]) & (metres < bounds[1]))
         if not len(near):
             return None
-        chosen = near[rng.integers(len(near))]
-        return self._pose(self._points[chosen], rng), float(metres[chosen])
+        chosen = [near[rng.integers(len(near))] for _ in range(count)]
+        poses = np.array([self._pose(self._points[place], rng) for place in chosen])
+        return poses, metres[chosen]
 
     def _pose(self, point: Array, rng: np.random.Generator) -> Array:
         """A pose at a place, with a random heading: a round body fits with any."""

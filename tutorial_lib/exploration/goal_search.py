@@ -123,6 +123,21 @@ class GoalSearch:
         self._refused = np.full((count, _REFUSED, 2), np.inf)
         self._looked[:] = np.nan
 
+    def restart(self, robot: int, poses: Array, ranges: Array) -> None:
+        """Go on in another frame of odometry: the goal is not found, the map is drawn anew.
+
+        Args:
+            robot: its number.
+            poses: (K, 3) from where it has seen something in that frame.
+            ranges: (K, W) metres in each column of what it saw.
+        """
+        self.found[robot], self.left[robot] = False, np.inf
+        self._weight[robot], self._refused[robot] = 0.0, np.inf
+        self._looked[robot] = self._mapped[robot] = np.nan
+        self.maps.forget(robot)
+        for pose, seen in zip(poses, ranges, strict=True):
+            self.maps.observe(np.array([robot]), pose[None], seen[None])
+
     def look_again(self, robots: NDArray[np.intp]) -> None:
         """Let these robots look in the next step, wherever they are."""
         self._looked[robots] = np.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,6 +49,19 @@ PAPER = Localisation(all_nodes=True, edges_by_odometry=True, nodes_at_ghosts=Fal
 """The paper's rules."""
 
 
+class ScanMatcher(Protocol):
+    """Finds robots in nodes by the walls that both see."""
+
+    def __call__(self, nodes: Array, ranges: Array, guesses: Array) -> Array:
+        """Poses (M, 3) of robots in the frames of nodes; not a number where walls don't agree.
+
+        Args:
+            nodes: (M, W) metres in each column of the nodes' panoramas.
+            ranges: (M, W) of what the robots see.
+            guesses: (M, 3) where they seem to be.
+        """
+
+
 class Memory:
     """What one robot remembers.
 
@@ -77,6 +91,10 @@ class Memory:
         """Points (..., 2) of the node's frame in the frame of the odometry."""
         return to_world(self._origin, points)
 
+    def pose_of(self, node: int) -> Array:
+        """(3,) of a node in the frame of the odometry, along the graph."""
+        return compose(self._origin, self.graph.poses_from(self.node)[node])
+
     def stand(self, node: int, offset: ArrayLike) -> None:
         """Be in a node from now on, at the pose `offset` (3,) in its frame."""
         self.node, self._origin = node, compose(self._odometry, inverse(offset))
@@ -88,16 +106,20 @@ class Memory:
         order = [int(n) for n in np.argsort(far, kind="stable") if n != self.node]
         return order if everywhere else [n for n in order if far[n] < BESIDE][:_TRIED]
 
-    def enter(self, node: int, place: Array | None = None) -> None:
+    def pose_in(self, node: int) -> Array:
+        """(3,) of the robot in another node's frame, by odometry along the graph."""
+        return relative(self.graph.poses_from(self.node)[node], self.offset)
+
+    def enter(self, node: int, pose: Array | None = None, *, sure: bool = False) -> None:
         """Be in another node from now on.
 
         Args:
             node: the node.
-            place: (2,) of the robot in its frame; by odometry unless given.
+            pose: (3,) of the robot in its frame; by odometry unless given.
+            sure: the pose is so good that it also mends an edge that is there.
         """
-        pose = relative(self.graph.poses_from(self.node)[node], self.offset)
-        pose = pose if place is None else np.array([*place, pose[2]])
-        if node not in self.graph.edges[self.node]:
+        pose = self.pose_in(node) if pose is None else pose
+        if sure or node not in self.graph.edges[self.node]:
             self.graph.connect(self.node, node, compose(self.offset, inverse(pose)))
         self.stand(node, pose)
 
@@ -129,6 +151,7 @@ class GraphUpdate:
         explorable: float,
         radius: float = RADIUS,
         localisation: Localisation | None = None,
+        matcher: ScanMatcher | None = None,
     ) -> None:
         """Set when answers of the model count, and what is explored.
 
@@ -138,11 +161,13 @@ class GraphUpdate:
             explorable: probability of F_G from which a direction gets a ghost.
             radius: metres from a node to its ghosts.
             localisation: by which rules robots find themselves; the course's unless given.
+            matcher: closes loops: wherever a robot is in a node its walls say where, and what
+                odometry and F_R said is corrected.
         """
         localisation = Localisation() if localisation is None else localisation
         self.localisation = instance("localisation", localisation, Localisation)
         self._model, self._same, self._explorable = model, same, explorable
-        self._radius = radius
+        self._radius, self._matcher = radius, matcher
 
     def update(
         self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
@@ -164,7 +189,9 @@ class GraphUpdate:
             own = np.array([memory.features[memory.node] for memory in here])
             lost = inside[self._model.same_node(own, features[inside]) < self._same]
             strays = [memories[m] for m in lost.tolist()]
-            outside[lost[~self._elsewhere(strays, features[lost])]] = True
+            outside[lost[~self._elsewhere(strays, features[lost], ranges[lost])]] = True
+            staying = np.setdiff1d(inside, lost)
+            self._correct([memories[m] for m in staying.tolist()], ranges[staying])
         new = np.flatnonzero(outside)
         self.add_nodes([memories[m] for m in new.tolist()], features[new], ranges[new])
         return outside
@@ -185,8 +212,19 @@ class GraphUpdate:
             memory.stand(node, np.zeros(3))
             memory.features.append(row)
 
+    def _correct(self, memories: Sequence[Memory], ranges: Array) -> None:
+        """Robots that are in their nodes still: where exactly, by the walls."""
+        if self._matcher is None or not len(memories):
+            return
+        nodes = np.stack([memory.graph.ranges[memory.node] for memory in memories])
+        guesses = np.stack([memory.offset for memory in memories])
+        poses = self._matcher(nodes, ranges, guesses)
+        for memory, pose in zip(memories, poses, strict=True):
+            if np.isfinite(pose).all():
+                memory.stand(memory.node, pose)
+
     def _elsewhere(
-        self, memories: Sequence[Memory], features: NDArray[np.float32]
+        self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
     ) -> NDArray[np.bool_]:
         """(M,) whether a robot is in another node than its own; if so, it enters that."""
         rules = self.localisation
@@ -207,7 +245,17 @@ class GraphUpdate:
             if likely[best] >= self._same:
                 place = metres[best] * np.array([np.cos(bearing[best]), np.sin(bearing[best])])
                 memory, node = pairs[best]
-                known = node in memory.graph.edges[memory.node] or rules.edges_by_odometry
-                memory.enter(node, None if known else place)
+                self._enter(memory, node, place, ranges[row])
                 entered[row] = True
         return entered
+
+    def _enter(self, memory: Memory, node: int, place: Array, ranges: Array) -> None:
+        """A robot is in another node: at a `place` (2,) by F_R; the walls know better."""
+        guess = np.array([*place, memory.pose_in(node)[2]])
+        if self._matcher is not None:
+            (pose,) = self._matcher(memory.graph.ranges[node][None], ranges[None], guess[None])
+            if np.isfinite(pose).all():
+                memory.enter(node, pose, sure=True)
+                return
+        known = node in memory.graph.edges[memory.node] or self.localisation.edges_by_odometry
+        memory.enter(node, None if known else guess)

@@ -69,6 +69,10 @@ class LocalMaps:
         rays = (ranges, column_bearings(ranges.shape[1]), self._reach)
         _draw(self.grids, self.corners, robots, odometry, *rays)
 
+    def forget(self, robot: int) -> None:
+        """Empty the grid of a robot."""
+        self.grids[whole("robot", robot, least=0, most=len(self.grids) - 1)] = UNKNOWN
+
     def checked(self, robots: NDArray[np.intp], odometry: Array) -> tuple[NDArray[np.intp], Array]:
         """Indices (M,) of robots that have a grid, and their poses (M, 3).
 

@@ -126,10 +126,18 @@ class ExplorationTask:
         self._stale[:] = False
         return self._observation(self._image.copy(), self._ranges.copy(), self.odometry.copy())
 
-    def goals(self) -> Observation:
-        """The pictures (N,) of the goals, with depth where the robots have it."""
-        image, ranges = self._look(self._goals, np.ones(len(self), bool))
-        return self._observation(image, ranges, np.zeros((len(self), 3))).pictures()
+    def goals(self, robots: NDArray[np.intp] | None = None) -> Observation:
+        """The pictures (N,) of the goals, with depth where the robots have it.
+
+        Args:
+            robots: (M,) rising indices of those whose goals are shown; all unless given.
+        """
+        chosen = np.ones(len(self), bool)
+        if robots is not None:
+            robots = integers("robots", robots, ("M",), least=0, most=len(self) - 1)
+            chosen = np.isin(np.arange(len(self)), robots)
+        image, ranges = self._look(self._goals, chosen)
+        return self._observation(image, ranges, np.zeros((len(image), 3))).pictures()
 
     def step(self, actions: ArrayLike) -> None:
         """Carry out discrete actions; those of robots that are done do nothing.
@@ -180,6 +188,47 @@ class ExplorationTask:
         self._goals, self._shortest = goals, shortest
         self._begin()
 
+    def replace(
+        self, robots: NDArray[np.intp], episodes: Episodes, scenes: Mapping[str, Scene]
+    ) -> None:
+        """Let some robots begin other episodes.
+
+        Args:
+            robots: (M,) indices.
+            episodes: M of them.
+            scenes: their worlds by name; those of other robots are known.
+
+        Raises:
+            InputError: when there are not as many, or a world is missing.
+        """
+        robots = integers("robots", robots, ("M",), least=0, most=len(self) - 1)
+        if len(instance("episodes", episodes, Episodes)) != len(robots):
+            raise InputError(
+                f"robots: {len(robots)}, episodes: {len(episodes)}; give as many of both"
+            )
+        self.scenes = {**self.scenes, **instance("scenes", scenes, Mapping)}
+        missing = sorted(set(episodes.worlds) - self.scenes.keys())
+        if missing:
+            raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
+        both, order = Episodes.joined([self.episodes, episodes]), np.arange(len(self))
+        order[robots] = len(self) + np.arange(len(robots))
+        self.episodes = both[order]
+        self._rows = _rows_by_scene(self.scenes, self.episodes.worlds)
+        self.poses, self._goals = self.poses.copy(), self._goals.copy()
+        self.poses[robots], self.odometry[robots] = episodes.starts, 0.0
+        self._goals[robots] = episodes.goals
+        self._shortest = self.episodes.shortest
+        for column in (self.done, self.success, self.steps, self.travelled, self.collisions):
+            column[robots] = 0
+        self._stale[robots] = True
+        self.path = [self.poses]
+
+    def carry(self, poses: Array) -> None:
+        """Put all robots down elsewhere, at poses (N, 3); their odometry does not notice."""
+        self.poses = floats("poses", poses, (len(self), 3)).copy()
+        self._stale[:] = True
+        self.path.append(self.poses)
+
     def _move(self, scene: Scene, rows: NDArray[np.intp], motions: Array) -> None:
         segments, radius = scene.plan.segments, DifferentialDrive.radius
         self.poses[rows], stopped = move(self.poses[rows], motions[rows], segments, radius)
@@ -202,8 +251,8 @@ class ExplorationTask:
         return image[chosen], ranges[chosen]
 
     def _observation(self, image: NDArray[np.uint8], ranges: Array, odometry: Array) -> Observation:
-        still = np.zeros(len(self))
-        laser = np.full((len(self), Laser.beams), np.nan)
+        still = np.zeros(len(image))
+        laser = np.full((len(image), Laser.beams), np.nan)
         depth = ranges if self._depth else None
         senses = (image, depth, laser, odometry, still, still.copy())
         return Observation(*senses, camera=self._camera)

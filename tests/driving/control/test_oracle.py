@@ -30,7 +30,13 @@ def roll_out(scene, starts, goals, people=(), turn_first=False):
     return rollout(simulation, TurnFirst(oracle) if turn_first else oracle, ends)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize(
+    "family",
+    [
+        pytest.param(f, marks=[] if f in ("apartment", "hall") else pytest.mark.full)
+        for f in FAMILIES
+    ],
+)
 def test_it_drives_through_every_family(family):
     scene = Scene(generate(family, 10_100))
     paths = GridPaths(scene.clearance)
@@ -102,7 +108,13 @@ def test_goals_that_cannot_be_reached_are_refused_at_once(box):
         roll_out(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
 
 
-@pytest.mark.parametrize("world", ["apartment/10003/standard/large", "maze/10007/standard/large"])
+@pytest.mark.parametrize(
+    "world",
+    [
+        "apartment/10003/standard/large",
+        pytest.param("maze/10007/standard/large", marks=pytest.mark.full),
+    ],
+)
 def test_cars_that_turn_first_get_out_of_narrow_places(world):
     scene = scene_of(world)
     paths, rng = GridPaths(scene.clearance), np.random.default_rng(0)

@@ -41,7 +41,14 @@ class Unaware:
         return self.controller.act(replace(observations, body=None), waypoints)
 
 
-@pytest.mark.parametrize("body", [LONG, DifferentialDrive(), BicycleCar(wheelbase=0.2)])
+@pytest.mark.parametrize(
+    "body",
+    [
+        LONG,
+        pytest.param(DifferentialDrive(), marks=pytest.mark.full),
+        pytest.param(BicycleCar(wheelbase=0.2), marks=pytest.mark.full),
+    ],
+)
 def test_cars_of_another_body_reach_their_goals(body):
     scene = Scene(generate("apartment", seed=3))
     paths = GridPaths(scene.clearance)

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -114,8 +115,14 @@ def test_controllers_and_predictors_drive_a_whole_system_too(own):
     assert type(custom(own(PREDICTOR)).predictor).__name__ == "Mine"
 
 
+@pytest.fixture(scope="module")
+def clean():
+    """What makes the condition without noise; the same one is made once."""
+    return cache(local_control.clean_condition)
+
+
 @pytest.fixture
-def few(monkeypatch):
+def few(clean, monkeypatch):
     """Table I of one small world and one condition, with the rows that are compared here."""
     every = controllers.controllers
 
@@ -124,7 +131,6 @@ def few(monkeypatch):
 
     monkeypatch.setattr(table1, "for_each", in_turn)
     monkeypatch.setattr(table1, "controllers", some)
-    clean = local_control.clean_condition
     monkeypatch.setattr(table1, "conditions", lambda *given: {"clean": clean(*given)})
     return replace(table1.EXPERIMENT, quick_settings=table1.Settings(episodes=4))
 
@@ -175,7 +181,7 @@ def test_a_fault_in_table_2_costs_its_own_rows_only_and_is_the_exit_code(
     save_plan(make_box(), tmp_path / "room.json")
     monkeypatch.setattr(navigation, "GRACE", 1.0)
     monkeypatch.setattr(table2, "for_each", in_turn)
-    settings = table2.Settings(places_on_map=3, trials=4, trials_of_part=4)
+    settings = table2.Settings(places_on_map=3, trials=2, trials_of_part=2)
     few = replace(table2.EXPERIMENT, quick_settings=settings)
     monkeypatch.setitem(experiment.EXPERIMENTS, "meng_table2", few)
     where = own("class Mine:\n    def learn(self, experiences): ...\n    start = None\n")

@@ -119,8 +119,11 @@ def test_maps_are_kept_in_the_user_s_cache(tmp_path, monkeypatch, building, agen
         keep_learned(building, agent)
 
 
+@pytest.mark.full
 def test_the_default_demo_comes_with_its_map():
-    """If this fails, networks, odometry or the demo's drives have changed.
+    """That it is found is tested with the command itself (test_cli.py), where its odometry is.
+
+    If this fails, networks, odometry or the demo's drives have changed.
 
     Then take the map from the folder where `python -m tutorial_lib demo --learn` says it is.
     """

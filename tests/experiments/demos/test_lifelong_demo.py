@@ -41,6 +41,7 @@ def small(monkeypatch):
     return Stage(1, 1, True, 1.0), Stage(2, 3, False, 1.0), Stage(4, 4, False, 1.0)
 
 
+@pytest.mark.full
 def test_a_life_leaves_film_strip_and_figures(tmp_path, monkeypatch, small):
     frames, runs, said = [], [], []
     draw, run = LifeFilm.frame, lifelong_demo.run_queries

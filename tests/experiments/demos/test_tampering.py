@@ -1,5 +1,6 @@
 """A map at which one tampers, with true perception in a room with pillars."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -35,12 +36,18 @@ def queries(building):
     return draw_trials(building, 6, np.random.default_rng(5))
 
 
-@pytest.fixture
-def agent(building):
+@pytest.fixture(scope="module")
+def learned(building):
     perfect = TrueModel(building.scene)
     made = LTVNAgent(model=perfect, rules=SamplingRules(support=0.0))
     made.learn(deep_experiences(building, perfect))
     return made
+
+
+@pytest.fixture
+def agent(building, learned):
+    """An agent with a map of its own; what it begins as is built once."""
+    return deepcopy(learned, {id(building.scene): building.scene})
 
 
 @pytest.fixture

@@ -41,6 +41,7 @@ def gaps(drive, pose):
     return np.linalg.norm(drive.poses[:, :2] - pose[:2], axis=1)
 
 
+@pytest.mark.full
 def test_no_drive_leads_all_along_the_trip_but_two_do_together(usual):
     start, goal = usual.trial.starts[0], usual.trial.goal_poses[0]
     first, last, *others = usual.building.recorded.trajectories
@@ -60,6 +61,7 @@ def test_the_budget_of_drives_is_kept(usual):
     assert len(usual.building.pairs) < usual.recorded == 30
 
 
+@pytest.mark.full
 def test_a_demo_in_a_large_hall_takes_place_in_a_part_where_re_is_sure(agent):
     plan = generate("hall", 102)  # on its open floor a drive's probability is 0.02
     scene = Scene(plan)
@@ -90,7 +92,7 @@ def test_trips_of_which_re_is_sure_come_first_then_those_of_the_right_length(usu
 
 def test_a_trip_leads_between_rooms_asked_for(flat, agent):
     start, goal = parse_end("--start", "bedroom 3"), parse_end("--goal", "kitchen")
-    task = choose_task(flat, 0, 4, agent, start=start, goal=goal)
+    task = choose_task(flat, 0, 3, agent, start=start, goal=goal)
     assert task.rooms == ("bedroom 3", "kitchen")
 
 
@@ -102,7 +104,7 @@ def test_a_trip_leads_between_poses_asked_for(flat, agent, usual):
         name: parse_end(f"--{name}", text)
         for name, text in zip(("start", "goal"), ends, strict=True)
     }
-    task = choose_task(flat, 1, 4, agent, **asked)
+    task = choose_task(flat, 1, 3, agent, **asked)
     assert task.trial.starts[0].tolist() == [x, y, heading]
     arrived = task.trial.goal_poses[0]
     assert np.linalg.norm(arrived[:2] - goal[:2]) < 0.45
@@ -156,26 +158,31 @@ def test_a_goal_is_recognised_from_places_near_it_unless_from_elsewhere(usual, a
 
 
 def test_the_first_trip_whose_goal_is_recognised_well_is_taken_else_the_best(
-    flat, agent, monkeypatch
+    usual, agent, monkeypatch
 ):
+    """Trip n can be driven unless it is trip 1, and is recognised from `counts[n]` places."""
     asked = []
 
-    def give(*counts):
-        asked[:] = []
-        answers = iter([*counts, *[0] * 10])
-
+    def chosen(*counts):
         def recognised(building, trial, _):
             asked.append(trial)
-            return next(answers)
+            return counts[trial]
 
+        asked[:] = []
         monkeypatch.setattr(tasks, "recognised_from", recognised)
-        monkeypatch.setattr(tasks, "learned", lambda whole, *_: whole)
-        return choose_task(flat, 0, 3, agent).trial
+        ends, sure = (None, np.nan), np.ones(len(usual.building.pairs))
+        rng = np.random.default_rng(0)
+        return tasks._first_trip(usual.building, range(len(counts)), *ends, sure, agent, rng)
 
-    assert give(2, RECOGNISED, 9) is asked[1]
-    assert len(asked) == 2
-    assert give(1, 0, 3, 2) is asked[2]
-    assert len(asked) > 4
+    monkeypatch.setattr(tasks, "_trial", lambda whole, number, *_: None if number == 1 else number)
+    monkeypatch.setattr(tasks, "learned", lambda whole, number, *_: f"drives of {number}")
+    assert chosen(2, 9, RECOGNISED, 9) == ("drives of 2", 2)
+    assert asked == [0, 2]
+    assert chosen(1, 0, 3, 2) == ("drives of 2", 2)
+    assert asked == [0, 2, 3]
+    assert chosen(0, 9) == ("drives of 0", 0)
+    monkeypatch.setattr(tasks, "_trial", lambda *_: None)
+    assert chosen(9, 9) is None
 
 
 @pytest.mark.parametrize(

@@ -383,6 +383,7 @@ def test_the_experiment_has_a_row_for_every_estimator(monkeypatch, quick):
     json.dumps(report.as_dict(), allow_nan=False)
 
 
+@pytest.mark.full
 @needs("reach_k2", "reach_k5", "sptm")
 def test_the_experiment_runs_on_a_validation_world(monkeypatch):
     model = SimpleNamespace(predict_proba=lambda x: np.column_stack([1 - x[:, 8], x[:, 8]]))

@@ -93,11 +93,12 @@ def office():
     )
 
 
+@pytest.mark.full
 @networks
 def test_the_same_trials_are_run_with_and_without_remedies(office, monkeypatch):
     monkeypatch.setattr(fig12, "make_office", lambda *_, **__: office)
     monkeypatch.setattr(fig12, "for_each", in_turn)
-    monkeypatch.setattr(navigation, "GRACE", 10.0)
+    monkeypatch.setattr(navigation, "GRACE", 0.0)
     few = replace(fig12.EXPERIMENT, quick_settings=fig12.Settings(2, ("none", "no_filter", "all")))
     report = few.report(Options(quick=True, worlds=(10_000,)))
     rows = {row["remedy"]: row for row in report.rows}

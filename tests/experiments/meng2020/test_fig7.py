@@ -139,6 +139,7 @@ def test_fig_7_reports_every_way_once_and_the_gaps(recorded, monkeypatch):
     assert "clean - noise, k2 at 0.97: +25.0 points (+25.0 to +25.0)" in notes
 
 
+@pytest.mark.full
 @needs("reach_k0", "reach_k2", "reach_k5")
 def test_fig_7_runs_on_a_validation_world(monkeypatch):
     for name, less in (("CARS", 6), ("_SHORTEST", 4.0), ("LENGTH", 5.0)):

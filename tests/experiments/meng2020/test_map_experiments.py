@@ -175,6 +175,7 @@ def test_fig_9_notes_how_far_predicted_and_measured_are_apart(monkeypatch):
     assert "Spearman over 5 bins 1.00" in plain
 
 
+@pytest.mark.full
 @networks
 def test_plans_of_fig_9_are_driven_whatever_their_probability(building, monkeypatch):
     sent = []
@@ -187,6 +188,7 @@ def test_plans_of_fig_9_are_driven_whatever_their_probability(building, monkeypa
     assert set(success[probability == 0].tolist()) <= {0.0}
 
 
+@pytest.mark.full
 @networks
 def test_fig_10_learns_nested_shares_of_the_trajectories(building, monkeypatch):
     few = replace(fig10.EXPERIMENT, quick_settings=fig10.Settings(trials=3))
@@ -218,6 +220,7 @@ def test_fig_10_learns_nested_shares_of_the_trajectories(building, monkeypatch):
 buildings_experiences = fig10.experiences
 
 
+@pytest.mark.full
 @networks
 def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(building):
     few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=48, share=0.6))
@@ -242,6 +245,7 @@ def test_a_world_without_a_new_path_is_an_error():
         few.report(QUICK)
 
 
+@pytest.mark.full
 @networks
 def test_fig_13_counts_vertices_at_even_numbers_of_frames():
     few = fig13.Settings(frames=2_000, interval=500, at_once=6)
@@ -264,6 +268,7 @@ def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(building):
         assert np.linalg.norm(building.places - drive.poses[-1, :2], axis=1).min() < 0.5
 
 
+@pytest.mark.full
 @networks
 def test_every_rule_of_reuse_gets_the_same_drives_and_trials(monkeypatch):
     rules, few = ((1.0, 1.0), (0.95, 1.0), (0.95, 0.5)), fig13_reuse.Settings(3, 800, 6, 2)
@@ -367,6 +372,7 @@ def test_thresholds_are_chosen_on_validation_worlds():
     assert not set(fig9.VALIDATION) & set(navigation_tasks.WORLDS)
 
 
+@pytest.mark.full
 @needs("waypoint_k5", "reach_k5", "sptm")
 def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkeypatch):
     calls = []
@@ -431,6 +437,7 @@ def test_a_path_without_a_detour_is_not_blocked(monkeypatch):
     assert (people, len(kept), len(seconds)) == ([], 0, 0)
 
 
+@pytest.mark.full
 @networks
 def test_every_fault_has_its_row_of_outcomes(monkeypatch):
     # The map of this room is too small to hold another path around a blockade.
@@ -485,6 +492,7 @@ def test_faults_without_a_path_to_block_have_an_empty_row():
 # The bench.
 
 
+@pytest.mark.full
 @networks
 def test_the_bench_compares_the_index_with_all_queries(building, monkeypatch):
     building = part(building, 6)
@@ -546,6 +554,7 @@ def test_comparing_with_every_vertex_leaves_the_map_as_it_is(building):
     assert seconds > 0
 
 
+@pytest.mark.full
 @networks
 def test_the_higher_the_threshold_of_a_goal_the_more_goals_are_refused():
     few = table2_goal_images.Settings(4, 4, (0.0, 0.9, 1.0))

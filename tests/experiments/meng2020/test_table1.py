@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.conftest import in_turn
 from tutorial_lib.cli import main
 from tutorial_lib.driving.control.smoothed import SHARE
 from tutorial_lib.driving.data.episodes import Episodes
@@ -33,6 +34,15 @@ def course():
     return local_control.conditions(WORLD, 12, seed=0)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _alone():
+    """Other processes would take longer to start than these few episodes take."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (table1, table1_smoothing):
+            patch.setattr(module, "for_each", in_turn)
+        yield
+
+
 @pytest.fixture(scope="module")
 def report():
     """Two worlds with few episodes."""
@@ -40,6 +50,7 @@ def report():
     return few.report(Options(worlds=(10_000, 10_001), quick=True))
 
 
+@pytest.mark.full
 def test_every_controller_has_a_row_for_every_condition(report):
     keys = [(row["controller"], row["condition"]) for row in report.rows]
     assert len(keys) == len(set(keys)) == len(CONTROLLERS) * len(CONDITIONS)
@@ -113,12 +124,18 @@ def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name
         assert LocalNetwork(recipe.architecture) is not None
 
 
-def test_smoothing_compares_each_controller_with_itself():
+def test_smoothing_compares_each_controller_with_itself(monkeypatch):
+    parts = []
+
+    def kept(*given, label):
+        parts[:] = in_turn(*given, label=label)
+        return parts
+
+    monkeypatch.setattr(table1_smoothing, "for_each", kept)
     settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0, 0.1), episodes=6)
     rows, notes = table1_smoothing.run(Options(worlds=(10_000, 10_001)), settings)
     assert [(row["controller"], row["share"]) for row in rows] == [("k0", 1.0), ("k0", 0.1)]
-    worlds = (10_000, 10_001)
-    parts = [table1_smoothing.run_world(w, Options(worlds=worlds), settings) for w in worlds]
+    assert len(parts) == 2
     for row in rows:
         reached = np.concatenate([part["k0", row["share"]] for part in parts])
         assert row["episodes"] == len(reached) == 12
@@ -129,10 +146,10 @@ def test_smoothing_compares_each_controller_with_itself():
 
 
 def test_with_a_share_of_1_c_has_no_memory():
-    settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0,), episodes=12)
+    settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0,), episodes=6)
     options = Options(worlds=(WORLD,), family="hall")
     found = table1_smoothing.run_world(WORLD, options, settings)["k0", 1.0]
-    condition = local_control.clean_condition(WORLD, 12, 0, "hall")
+    condition = local_control.clean_condition(WORLD, 6, 0, "hall")
     usual = by_waypoints(WaypointNetwork("waypoint_k0"))
     assert (found == local_control.attempt(condition, usual)["reached"]).all()
     assert condition.episodes.recorded.scene.plan.family == "hall"
@@ -172,6 +189,7 @@ def test_a_map_stands_in_place_of_worlds(other, capsys):
     assert "--map" in capsys.readouterr().err
 
 
+@pytest.mark.full
 def test_a_map_has_no_shifted_palette_and_is_named(tmp_path):
     plan = generate("apartment", 10_012)
     save_plan(plan, tmp_path / "flat.json")

@@ -1,5 +1,7 @@
 """Table 1, Table 2 and Fig. 8 compare the right agents, over the right worlds, with one noise."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -32,8 +34,12 @@ def made_up(world, name, sensor, *, geometry=False, noise=True, stops_itself=Fal
 def _made_up(monkeypatch):
     for module in (table1, table2):
         monkeypatch.setattr(module, "run_agent", made_up)
+        monkeypatch.setattr(module, "make_world", one_world)
         monkeypatch.setattr(module, "check_shipped", lambda agents, sensor: None)
     monkeypatch.setattr(exploration, "for_each", in_turn)
+
+
+one_world = cache(make_world)
 
 
 @pytest.mark.usefixtures("_made_up")

@@ -1,5 +1,7 @@
 """The first choice of scores: decisions, regret, colours, and the table."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,7 @@ def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):
 def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
     monkeypatch.setattr(scores, "for_each", in_turn)
     monkeypatch.setattr(scores, "exploration_world", lambda seed, signs: WORLD)
+    monkeypatch.setattr(scores, "choices", cache(choices))
     rows, _ = scores.run(Options(worlds=(20_000, 20_001)), SMALL)
     keys = [tuple(row[key] for key in KEYS) for row in rows]
     # In this office all that is easy is in sight: between unconnected places nothing is easy.

@@ -274,7 +274,7 @@ def test_drift_follows_from_the_seed():
 def test_what_is_observed_is_the_same_again_byte_for_byte(building, trials):
     def seen(seed):
         odometry = Odometry(seed=(seed,))
-        made = explored("room", building.scene, np.random.default_rng(3), 4, odometry)
+        made = explored("room", building.scene, np.random.default_rng(3), 2, odometry)
         agent = Hoarder(20)
         attempt(made, trials, agent)
         parts = [one.observations for one in agent.given[0]] + [one for one, _ in agent.given[2:]]

@@ -112,17 +112,17 @@ def test_every_robot_counts_and_time_runs_from_the_disturbance_on():
     assert row["lost"] == 0.5
 
 
-def test_trajectories_begin_under_way():
-    rng = np.random.default_rng(0)
-    found = trajectories(10_013, 3, rng)
-    assert len(found.trajectories) == 3
-    for drive in found.trajectories:
+def test_trajectories_begin_under_way(recorded):
+    assert len(recorded.trajectories) == 5
+    for drive in recorded.trajectories:
         assert drive.arc_length[-1] >= 10.0 - 0.1
         assert drive.timestamps[0] > UNDER_WAY / 0.9
 
 
+@pytest.mark.full
 def test_disturbances_run_on_a_validation_world(monkeypatch):
-    monkeypatch.setattr(following, "CARS", 8)
+    for name, less in (("CARS", 8), ("LENGTH", 10.0), ("GRACE", 0.0)):
+        monkeypatch.setattr(following, name, less)
     few = replace(disturbances.EXPERIMENT, settings=disturbances.Settings(trajectories=2))
     with joblib.parallel_config(backend="sequential"):
         report = few.report(Options(worlds=(10_001,)))

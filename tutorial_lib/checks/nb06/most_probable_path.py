@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any
 
@@ -228,8 +228,13 @@ def probability_of(graph: Graph, path: list[Vertex]) -> float:
     return math.prod(graph[v][w] for v, w in pairwise(path))
 
 
+@lru_cache(maxsize=64)
+def _graph(path: tuple[Vertex, ...]) -> NDArray[np.uint8]:
+    return graph_picture(BY_HAND, path)
+
+
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:
-    pictures = [graph_picture(BY_HAND, path) for path, _ in (want, got)]
+    pictures = [_graph(tuple(path)) for path, _ in (want, got)]
     return side_by_side(pictures, ["target", "yours"], height=200)
 
 

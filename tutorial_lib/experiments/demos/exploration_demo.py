@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tutorial_lib.agents.lifelong import LifelongAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.demos.endings import exploration_ending
@@ -30,6 +31,7 @@ from tutorial_lib.files import atomic_paths
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import wrap
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.panels import evenly, stacked
 from tutorial_lib.world.floorplan import FloorPlan
@@ -91,22 +93,23 @@ class ExplorationRecorder:
         self._task, self._agent, self._model = task, agent, model
         self._seen = LocalMaps(1, _SIDE)
 
-    def look(self, observation: Observation, *, last: bool = False) -> None:
-        """Note what is seen, and keep the moment if it is due, or the last one."""
+    def look(self, observation: Observation, *, last: bool = False, quiet: bool = False) -> None:
+        """Note what is seen, and keep the moment if it is due and not `quiet`, or the last one."""
         robots, task = np.zeros(1, np.intp), self._task
-        self._seen.observe(robots, observation.odometry, self._model.ranges(observation))
-        if int(task.steps[0]) % EVERY and not last:
+        believed = self._believed(observation)
+        self._seen.observe(robots, believed[None], self._model.ranges(observation))
+        if quiet or (int(task.steps[0]) % EVERY and not last):
             return
         here = self._model.embed(observation)
         search = self._agent.search
         self.moments.append(
             ExplorationMoment(
                 pose=task.poses[0],
-                odometry=observation.odometry[0],
+                odometry=believed,
                 image=SHARP.look(next(iter(task.scenes.values())), task.poses)[0][0],
                 scores=self._model.scores(here, search.goals)[0],
                 explorable=self._model.explorable(here)[0] >= 0.5,
-                graph=ghost_moment(self._agent.robots[0], observation.odometry[0]),
+                graph=ghost_moment(self._agent.robots[0], believed),
                 grid=self._seen.grids[0].copy(),
                 corner=self._seen.corners[0].copy(),
                 track=np.array(task.path)[:, 0, :2],
@@ -114,6 +117,13 @@ class ExplorationRecorder:
                 lines=self._lines(last),
             )
         )
+
+    def _believed(self, observation: Observation) -> Array:
+        """(3,) where the robot takes itself to be since its start."""
+        agent = self._agent
+        if isinstance(agent, LifelongAgent):
+            return agent.tracks[0].pose
+        return observation.odometry[0]
 
     def _lines(self, last: bool) -> tuple[tuple[str, str], ...]:
         """What the robot does, in words."""
@@ -128,11 +138,23 @@ class ExplorationRecorder:
         else:
             score = robot.scores[going.node][going.ghost.direction]
             doing = f"goes to a ghost, score {score:.2f}"
-        return (
+        lines = (
             ("action", f"{int(self._task.steps[0])} of {STEPS}"),
             ("the robot", doing),
             ("graph", f"nodes {len(graph)}, ghosts {len(graph.ghosts)}"),
         )
+        if not isinstance(self._agent, LifelongAgent):
+            return lines
+        drift, off = headings_off(self._task, self._agent)
+        return (*lines, ("heading", f"odometry is off by {drift:.0f} degrees, it by {off:.0f}"))
+
+
+def headings_off(task: ExplorationTask, agent: LifelongAgent) -> tuple[float, float]:
+    """Degrees by which odometry is off, and the agent, whose odometry walls correct."""
+    turned = task.poses[0, 2] - task.path[0][0, 2]
+    headings = np.array([task.odometry[0, 2], agent.tracks[0].pose[2]])
+    drift, off = np.rad2deg(np.abs(wrap(headings - turned))).round(1).tolist()
+    return drift, off
 
 
 def run_exploration_demo(

@@ -82,6 +82,7 @@ class ExplorationFilm:
         start: Array,
         goal: Array,
         title: str,
+        known: str = "by odometry that drifts",
     ) -> None:
         """Show moments.
 
@@ -91,12 +92,14 @@ class ExplorationFilm:
             start: (3,) true pose at which odometry is 0, so that both plans can be compared.
             goal: (3,) where the goal's picture was taken.
             title: of all frames.
+            known: how the robot knows where it is, in words.
         """
         believed = to_world(start, np.array([moment.odometry[:2] for moment in moments]))
         shown = np.concatenate([moments[-1].track, believed, goal[None, :2]])
         self._view = PlanView(scene, _PLAN, _PLAN, bounds=_around(shown, scene))
         self._moments = moments
-        self._start, self._goal, self._title = start, goal, title
+        self._start, self._goal = start, goal
+        self._title, self._how = title, known
         self._picture = panorama_picture(SHARP.look(scene, goal[None])[0][0], *_GOAL)
         self._truth = faded(self._view.base, 0.35)
 
@@ -125,7 +128,7 @@ class ExplorationFilm:
         bottom = _put(picture, self._drawn(moment), right, top)
         _caption(
             picture,
-            "What it knows: seen so far, and its graph, by odometry that drifts.",
+            f"What it knows: seen so far, and its graph, {self._how}.",
             _MARGIN,
             bottom,
         )

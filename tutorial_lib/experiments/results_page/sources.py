@@ -25,6 +25,8 @@ EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
 LIFELONG = ("label", "model", "lifelong", "spurious")
 """Experiments of maps that mend themselves."""
+RACES = ("exact", "carried")
+"""Ablations of the race."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", TOUR)
 """Of Table II: what agents learn, beside all drives, with thresholds chosen for each."""
@@ -102,6 +104,8 @@ EXPERIMENTS = {
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
     "nts_table1_car": "experiment nts_table1 --body car",
     "nts_table1_rules": "experiment nts_table1 --ablation rules",
+    "race": "experiment race",
+    **{f"race_{name}": f"experiment race --ablation {name}" for name in RACES},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 RETIRED = ("calibration_mirror", "nts_table1_options", "nts_fig8_options")

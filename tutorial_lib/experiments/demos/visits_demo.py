@@ -1,0 +1,148 @@
+"""The demo of a life: the first, the third and the tenth visit of one robot, its map growing."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tutorial_lib.agents.lifelong import LifelongAgent
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.common.explorers import check_shipped, shipped
+from tutorial_lib.experiments.demos.endings import exploration_ending
+from tutorial_lib.experiments.demos.exploration_demo import ExplorationRecorder, headings_off
+from tutorial_lib.experiments.demos.exploration_film import ExplorationFilm
+from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_folder
+from tutorial_lib.experiments.demos.recorder import FILM_RATE
+from tutorial_lib.experiments.demos.task import Say, silent
+from tutorial_lib.experiments.race.ten_visits import Settings, draw_lives
+from tutorial_lib.exploration.episodes import Episodes, exploration_world
+from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.files import atomic_paths
+from tutorial_lib.viz.figures.film import exact_png, film_encoder
+from tutorial_lib.viz.figures.panels import stacked
+from tutorial_lib.world.worlds import scene_of
+
+WORLD, LIFE = 10_004, 3
+"""Seeds of the building, which no network knows, and of all that is random."""
+VISITS, SHOWN = 10, (0, 2, 9)
+"""Goals of the life, and those that are filmed."""
+
+
+@dataclass(frozen=True)
+class Visit:
+    """How one visit ended; lengths in metres.
+
+    Attributes:
+        number: from 1 on.
+        reached: stopped within 1 m of the goal.
+        ending: in words.
+        steps: actions.
+        spl: success weighted by path length.
+        nodes: of the graph at its end.
+        drift: degrees of heading by which odometry is off.
+        off: degrees by which the robot itself is, since walls corrected it.
+    """
+
+    number: int
+    reached: bool
+    ending: str
+    steps: int
+    spl: float
+    nodes: int
+    drift: float
+    off: float
+
+
+@dataclass(frozen=True)
+class LifeOnFilm:
+    """What `demo.json` holds of a life.
+
+    Attributes:
+        reached: whether the goals of all visits on film were.
+        visits: all of them.
+    """
+
+    reached: bool
+    plan: str
+    visits: tuple[Visit, ...]
+    name: str = "demo --life"
+    film: str = FILM
+    strip: str = STRIP
+
+
+def run_visits_demo(folder: Path, *, visits: int = VISITS, say: Say = silent) -> LifeOnFilm:
+    """Let one robot live through its visits; leave demo.webm, demo.png and demo.json.
+
+    Args:
+        folder: for the files.
+        visits: goals of the life.
+        say: is called with what is being done.
+
+    Raises:
+        InputError: when the network's weights are not there.
+    """
+    check_folder(folder)
+    check_shipped(("nts",), "rgbd")
+    say("drawing a life")
+    name = exploration_world(WORLD)
+    scene, rng = scene_of(name), np.random.default_rng(LIFE)
+    goals, starts = draw_lives(scene, Settings(lives=1, visits=visits), rng)
+    metres = GridPaths(scene.clearance).between(starts[0][:, :2], goals[0][:, :2])
+    episode = Episodes((name,), starts[0], goals[0], metres, ("",))
+    task = ExplorationTask({name: scene}, episode, rng)
+    model = shipped("nts", "rgbd")
+    agent = LifelongAgent(model, np.random.default_rng(LIFE))
+    agent.start(task.goals())
+    films, done = [], list[Visit]()
+    recorder = ExplorationRecorder(task, agent, model)
+    for number, poses in enumerate(goals):
+        say(f"visit {number + 1} of {visits}")
+        if number:
+            task.next_goals(poses)
+            agent.look_for(task.goals())
+        recorder.moments = []
+        while not task.done.all():
+            observation = task.observe()
+            actions = agent.act(observation, ~task.done)
+            recorder.look(observation, quiet=number not in SHOWN)
+            task.step(actions)
+        recorder.look(task.observe(), last=True)
+        done.append(_visit(number, task, agent))
+        if number in SHOWN:
+            moments = [*recorder.moments, *recorder.moments[-1:] * round(FILM_RATE)]
+            title = f"visit {number + 1} of {visits} to one building: find where this was taken"
+            shown = scene, moments, starts[0][0], poses[0], title
+            films.append(ExplorationFilm(*shown, "by odometry that walls correct"))
+    life = LifeOnFilm(all(done[i].reached for i in SHOWN if i < visits), name, tuple(done))
+    say("writing the film")
+    _write(folder, films, life)
+    return life
+
+
+def _visit(number: int, task: ExplorationTask, agent: LifelongAgent) -> Visit:
+    """How a visit ended."""
+    drift, off = headings_off(task, agent)
+    return Visit(
+        number=number + 1,
+        reached=bool(task.success[0]),
+        ending=exploration_ending(task),
+        steps=int(task.steps[0]),
+        spl=round(float(task.spl[0]), 2),
+        nodes=len(agent.robots[0].memory.graph),
+        drift=drift,
+        off=off,
+    )
+
+
+def _write(folder: Path, films: list[ExplorationFilm], life: LifeOnFilm) -> None:
+    """Film, strip of the last pictures, and figures: all of them or none."""
+    with atomic_paths(*(folder / one for one in (FILM, STRIP, FIGURES))) as (film, *others):
+        with film_encoder(folder / FILM, film, FILM_RATE) as write:
+            for one in films:
+                for i in range(len(one)):
+                    write(one[i])
+        others[0].write_bytes(exact_png(stacked([one[len(one) - 1] for one in films])))
+        others[1].write_text(json.dumps(asdict(life), indent=1) + "\n", encoding="utf-8")

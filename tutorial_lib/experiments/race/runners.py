@@ -1,0 +1,93 @@
+"""Who runs the race, by their names in its table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.agents.forgetting import Forgetting
+from tutorial_lib.agents.frontier import FrontierAgent
+from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
+from tutorial_lib.agents.nts import NTSAgent, NTSSettings
+from tutorial_lib.agents.scan_corrected import ScanCorrected
+from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer, shipped
+from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.interfaces import ExplorationModel, SequentialExplorer
+
+Maker = Callable[[ExplorationTask, ExplorationModel, np.random.Generator], SequentialExplorer]
+
+COMBINED = LifelongSettings()
+"""What is raced, chosen on validation worlds."""
+
+
+def _lifelong(**changed: Any) -> Maker:  # noqa: ANN401 - fields of the settings
+    settings = replace(COMBINED, **changed)
+    return lambda task, model, rng: LifelongAgent(model, rng, settings)
+
+
+def _frontier(scorer: str = "", *, recalls: bool = False) -> Maker:
+    def make(
+        task: ExplorationTask, model: ExplorationModel, rng: np.random.Generator
+    ) -> FrontierAgent:
+        prefers = shipped(scorer, "rgbd") if scorer else None
+        return FrontierAgent(model, scorer=prefers, recalls=recalls, rng=rng)
+
+    return make
+
+
+def _corrected(maker: Maker) -> Maker:
+    return lambda task, model, rng: ScanCorrected(maker(task, model, rng))
+
+
+def _forgetting(name: str) -> Maker:
+    def make(
+        task: ExplorationTask, model: ExplorationModel, rng: np.random.Generator
+    ) -> Forgetting:
+        return Forgetting(make_explorer(name, task, "rgbd", rng, geometry=False))
+
+    return make
+
+
+RUNNERS: Mapping[str, Maker] = {
+    "combined": _lifelong(),
+    "no_closing": _lifelong(exploring=NTSSettings()),
+    "no_looks": _lifelong(recalls_looks=False),
+    "no_metric": _lifelong(metric=False),
+    "no_travel": _lifelong(travel=0.0),
+    "no_relocating": _lifelong(relocates=False),
+    "nts": lambda task, model, rng: NTSAgent(model, rng),
+    "nts_closing": lambda task, model, rng: NTSAgent(model, rng, NTSSettings(closes_loops=True)),
+    "nts_forgets": _forgetting("nts"),
+    "fbe": _frontier(),
+    "fbe_recalls": _frontier(recalls=True),
+    "ans_like": _frontier("ans_like"),
+    "ans_recalls": _frontier("ans_like", recalls=True),
+    "ans_corrected": _corrected(_frontier("ans_like", recalls=True)),
+    "il_forgets": _forgetting("il"),
+    "random_forgets": _forgetting("random"),
+    "oracle": _forgetting("oracle"),
+}
+"""Those that forget begin anew with each goal."""
+INGREDIENTS = (
+    *("combined", "no_closing", "no_looks", "no_metric", "no_travel", "no_relocating"),
+    "nts",
+)
+"""The combined agent without one of its parts each, and without all of them."""
+FIELD = (
+    *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
+    *("ans_like", "fbe_recalls", "fbe", "il_forgets", "random_forgets", "oracle"),
+)
+"""All that are raced."""
+
+
+def own_runner(where: str) -> SequentialExplorer:
+    """The user's own agent from "FILE.py:CLASS"; one that takes one goal only begins anew.
+
+    Raises:
+        InputError: as `own_explorer` does.
+    """
+    agent = own_explorer(where)
+    return agent if isinstance(agent, SequentialExplorer) else Forgetting(agent)

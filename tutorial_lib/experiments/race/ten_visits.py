@@ -1,0 +1,282 @@
+"""Ten visits: every system over the life of a robot in one building (beyond the papers).
+
+A life is ten goals, one after another, from where the robot stands; nothing ever corrects its
+odometry but itself. In some lives somebody carries the robot elsewhere before a visit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.explorers import check_shipped, shipped
+from tutorial_lib.experiments.common.own import CUSTOM, or_fault
+from tutorial_lib.experiments.common.report import Fault, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
+from tutorial_lib.experiments.race.relocations import Relocations
+from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, own_runner
+from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
+from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import SequentialExplorer
+from tutorial_lib.parallel import for_each
+from tutorial_lib.se2 import wrap
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.worlds import scene_of
+
+WORLDS = tuple(range(20_000, 20_010))
+VALIDATION = tuple(range(10_000, 10_010))
+APART = (5.0, 10.0)
+"""Metres from one goal to the next."""
+PASSED, MISSED = 1.0, 2.0
+"""Metres up to which a goal was passed on earlier visits, and from which on it was not."""
+_AROUND = 1.5  # times as long may the path to a place be that was passed: no wall is between
+SOON = 40
+"""Actions, of half a second, in which a robot should find itself again."""
+WRONG = 1.0
+"""Metres by which it is wrong then, from which it found itself elsewhere."""
+CARRIED = (3, 6)
+"""Visits, counted from 0, before which robots are carried in the lives with a carry."""
+PARTS = {"1-3": slice(0, 3), "8-10": slice(7, 10), "1-10": slice(0, 10)}
+"""Visits of a row."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the race.
+
+    Attributes:
+        agents: of `RUNNERS`, the one first to which the others are compared.
+        lives: in each world.
+        visits: of each life.
+        carried: visits before which a robot is carried elsewhere.
+        drifts: whether odometry does, and motion is noisy.
+    """
+
+    agents: tuple[str, ...] = FIELD
+    lives: int = 3
+    visits: int = 10
+    carried: tuple[int, ...] = ()
+    drifts: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Life:
+    """What became of one agent's lives in one world, all arrays (visits, lives).
+
+    Attributes:
+        success: whether the robot stopped at its goal.
+        spl: the same, weighted by path length.
+        steps: actions.
+        near: metres from the goal that it had passed before, at least; infinite on the first visit.
+        drift: degrees that its odometry's heading is off at the end of a visit.
+        again: actions after a carry until the robot joins its graphs; infinite where it does not,
+            not a number where nobody carried it.
+        wrong: metres by which it is wrong then.
+        strange: metres from where it was put down to where it had been.
+    """
+
+    success: Array
+    spl: Array
+    steps: Array
+    near: Array
+    drift: Array
+    again: Array
+    wrong: Array
+    strange: Array
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Run all agents through the same lives.
+
+    Raises:
+        InputError: where weights are missing, before anything is run.
+    """
+    check_shipped(("nts", "ans_like", "il"), "rgbd")
+    own = (CUSTOM,) if options.agent else ()
+    settings = replace(settings, agents=(*settings.agents, *own))
+    items = [(world, agent) for world in options.worlds for agent in settings.agents]
+    found = dict(
+        zip(items, for_each(run_life, items, options, settings, label="race"), strict=True)
+    )
+    rows: Rows = []
+    faults: list[str] = []
+    first = [found[world, settings.agents[0]] for world in options.worlds]
+    for agent in settings.agents:
+        mine = [found[world, agent] for world in options.worlds]
+        failed = [life for life in mine if isinstance(life, Fault)]
+        faults += failed[:1]
+        rows += [
+            {"agent": agent, "visits": visits} | _cells(mine, first, part, options.worlds)
+            for visits, part in PARTS.items()
+            if not failed and len(mine[0].success[part])
+        ]
+    return rows, [
+        *faults,
+        "passed: goals within 1 m of where the robot had been; missed: farther than 2 m",
+        f"gap: of {settings.agents[0]} to the agent, in the same lives",
+        "drift: degrees of heading by which odometry is off at the end of the last visit",
+    ]
+
+
+def run_life(item: tuple[int, str], options: Options, settings: Settings) -> Life | Fault:
+    """One agent's lives in one world; of the user's own agent also how it failed."""
+    seed, agent = item
+    name = exploration_world(seed, "plain", options.palette)
+    scene = scene_of(name)
+    goals, carries = draw_lives(scene, settings, np.random.default_rng([options.seed, seed]))
+    noise, own = (np.random.default_rng([options.seed, seed, i]) for i in (1, 2))
+    starts = carries[0]
+    lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
+    blank = ("",) * settings.lives
+    episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
+    task = ExplorationTask({name: scene}, episodes, noise, noise=settings.drifts)
+    carried = {visit: carries[visit] for visit in settings.carried}
+    if agent == CUSTOM:
+        return or_fault(
+            options.agent,
+            lambda: live(task, own_runner(options.agent), goals, carried, scene),
+        )
+    return live(task, RUNNERS[agent](task, shipped("nts", "rgbd"), own), goals, carried, scene)
+
+
+def draw_lives(scene: Scene, settings: Settings, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Goals (V, N, 3), and poses (V, N, 3) to which robots may be carried; they start at the first.
+
+    Each goal is `APART` from the one before, and so is each place from the goal of its visit.
+    """
+    count = settings.lives
+    points = GridPaths(scene.clearance)
+    free = points.points[points.largest]
+    drawn = free[rng.integers(len(free), size=count)]
+    first = np.column_stack([drawn, rng.uniform(-np.pi, np.pi, count)])
+    chain = draw_sequence(scene, first, settings.visits + 1, rng, APART)
+    goals = chain[1:]
+    carries = np.stack([draw_sequence(scene, one, 2, rng, APART)[1] for one in goals])
+    carries[0] = first
+    return goals, carries
+
+
+def live(
+    task: ExplorationTask,
+    agent: SequentialExplorer,
+    goals: Array,
+    carries: dict[int, Array],
+    scene: Scene,
+) -> Life:
+    """Let an agent look for goals (V, N, 3) one after another, carried before some of them."""
+    paths, columns, watch = GridPaths(scene.clearance), [], Relocations(task, agent)
+    agent.start(task.goals())
+    for visit, poses in enumerate(goals):
+        before = np.stack(task.path)
+        strange = np.full(len(task), np.nan)
+        if visit in carries:
+            task.carry(carries[visit])
+            strange = np.linalg.norm(before[:, :, :2] - task.poses[:, :2], axis=2).min(axis=0)
+        watch.begin(carried=visit in carries)
+        if visit:
+            task.next_goals(poses)
+            agent.look_for(task.goals())
+        near = _nearest(paths, before if visit else before[:0], poses)
+        while not task.done.all():
+            actions = agent.act(task.observe(), ~task.done)
+            watch.look()
+            task.step(actions)
+        off = wrap(task.odometry[:, 2] - (task.poses[:, 2] - task.path[0][:, 2]))
+        seen = near, np.rad2deg(np.abs(off)), watch.again, watch.wrong, strange
+        columns.append((task.success, task.spl, task.steps, *seen))
+    return Life(*(np.array(column, float) for column in zip(*columns, strict=True)))
+
+
+def _nearest(paths: GridPaths, tracks: Array, goals: Array) -> Array:
+    """Metres (N,) from goals (N, 3) to what robots passed, (T, N, 3); infinite behind a wall."""
+    near = np.full(len(goals), np.inf)
+    for robot in range(len(goals) if len(tracks) else 0):
+        gaps = np.linalg.norm(tracks[:, robot, :2] - goals[robot, :2], axis=1)
+        best = int(gaps.argmin())
+        (metres,) = paths.between(tracks[best, robot, None, :2], goals[robot, None, :2])
+        near[robot] = gaps[best] if metres <= max(_AROUND * gaps[best], PASSED) else np.inf
+    return near
+
+
+def _cells(
+    mine: list[Life], first: list[Life], part: slice, worlds: tuple[int, ...]
+) -> dict[str, Any]:
+    """An agent's visits of one part of its lives."""
+
+    def column(lives: list[Life], name: str) -> Array:
+        return np.concatenate([getattr(life, name)[part].ravel() for life in lives])
+
+    where: NDArray = np.repeat(worlds, [life.success[part].size for life in mine])
+    success, near = column(mine, "success"), column(mine, "near")
+    row: dict[str, Any] = {"goals": len(success)}
+    row |= dict(zip(("success", "low", "high"), over_worlds(success, where), strict=True))
+    row |= {"spl": float(column(mine, "spl").mean()), "steps": float(column(mine, "steps").mean())}
+    for name, there in (("passed", near <= PASSED), ("missed", near > MISSED)):
+        row[f"{name}_goals"] = int(there.sum())
+        row[name] = float(success[there].mean()) if there.any() else None
+        row[f"{name}_spl"] = float(column(mine, "spl")[there].mean()) if there.any() else None
+    gap = difference(column(first, "success"), success, where)
+    row |= dict(zip(("gap", "gap_low", "gap_high"), gap, strict=True))
+    row |= {"drift": float(np.mean([life.drift[-1] for life in mine]))}
+    return row | _relocated(column(mine, "again"), column(mine, "wrong"), column(mine, "strange"))
+
+
+def _relocated(again: Array, wrong: Array, strange: Array) -> dict[str, Any]:
+    """How often a robot that was carried found itself again, and how often wrongly."""
+    carried = np.isfinite(strange)
+    known = carried & (strange <= MISSED)
+    joined = carried & np.isfinite(again)
+
+    def soon(which: NDArray[np.bool_]) -> float | None:
+        watched = which & ~np.isnan(again)
+        return float((again[watched] <= SOON).mean()) if watched.any() else None
+
+    return {
+        "carried": int(carried.sum()),
+        "again": soon(carried),
+        "carried_known": int(known.sum()),
+        "again_known": soon(known),
+        "again_wrong": float((wrong[joined] > WRONG).mean()) if joined.any() else None,
+    }
+
+
+_CARRIED = Experiment(
+    "race_carried",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(("combined", "nts_forgets"), carried=CARRIED),
+    canary=Settings(("combined",), 1, 2, (1,)),
+)
+_INGREDIENTS = Experiment(
+    "race_ingredients",
+    run,
+    VALIDATION,
+    VALIDATION[:4],
+    Settings(INGREDIENTS),
+)
+_EXACT = Experiment(
+    "race_exact",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(("combined", "nts"), drifts=False),
+    canary=Settings(("combined",), 1, 2, drifts=False),
+)
+EXPERIMENT = Experiment(
+    "race",
+    run,
+    WORLDS,
+    WORLDS[:3],
+    Settings(),
+    quick_settings=Settings(lives=2),
+    canary=Settings(("combined", "nts"), 1, 2),
+    accepts=frozenset({"palette", "agent"}),
+    ablations={"carried": _CARRIED, "exact": _EXACT, "ingredients": _INGREDIENTS},
+)
