@@ -1210,8 +1210,9 @@ else:
     display(league.enter(NAME, numbers))
 
 # %% [markdown]
-# <details><summary>One choice that leads, and three that don't; enter yours first</summary>
-# <i>Far pairs at random</i>, <code>rng.permutation(np.flatnonzero(pool.occluded))[:60]</code>, lead by about a point, which may be chance. The surest look-alikes resemble one another; these show the network more of the building. Sixty near pairs at random score far lower, and so do the sixty most doubtful ones, those nearest one half: neither says much of look-alikes. Half surest look-alikes and half confident near pairs, as in exercise 5, lie in between.
+# <details><summary>Two good choices, quite different; enter yours first</summary>
+# <i>Look-alikes that fool it, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. It leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
+# <i>One of each place</i>: draw 60 starting frames at random, and of each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Far pairs at random are about level with the best choice to beat. Sixty near pairs score far lower, and so do the most doubtful ones, those nearest one half among all pairs: neither says much of look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory
