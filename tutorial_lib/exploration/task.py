@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +20,7 @@ from tutorial_lib.validation import flag, floats, instance, integers, whole, wit
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.noise import STOP, DiscreteNoise
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Laser, PanoramicCamera
+from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
 
 STEPS = 500
 """Actions of an episode, at most."""
@@ -33,6 +34,7 @@ class ExplorationTask:
     else; the attributes here are for those who measure, and for oracles.
 
     Attributes:
+        camera: of the robots.
         episodes: see `Episodes`.
         scenes: the worlds by name.
         poses: (N, 3) true poses.
@@ -44,6 +46,8 @@ class ExplorationTask:
         collisions: (N,) actions that ended at a wall.
         path: true poses (N, 3) at the start and after each step.
     """
+
+    camera: ClassVar[Camera | PanoramicCamera] = PanoramicCamera()
 
     def __init__(
         self,
@@ -86,11 +90,10 @@ class ExplorationTask:
         self.episodes, self.scenes, count = episodes, scenes, len(episodes)
         self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
         self._rows = _rows_by_scene(scenes, episodes.worlds)
-        self._camera = PanoramicCamera()
         self.poses, self.odometry = episodes.starts.astype(float), np.zeros((count, 3))
         self._goals, self._shortest = episodes.goals, episodes.shortest
-        self._image = np.zeros((count, self._camera.rows, self._camera.columns, 3), np.uint8)
-        self._ranges = np.zeros((count, self._camera.columns))
+        self._image = np.zeros((count, self.camera.rows, self.camera.columns, 3), np.uint8)
+        self._ranges = np.zeros((count, self.camera.columns))
         self._stale = np.ones(count, bool)
         self._put_down(rng, noise)
         self.path, self.collisions = [self.poses], np.zeros(count, np.intp)
@@ -247,7 +250,7 @@ class ExplorationTask:
         for scene, rows in self._rows:
             mine = rows[chosen[rows]]
             if len(mine):
-                image[mine], ranges[mine] = self._camera.look(scene, poses[mine])
+                image[mine], ranges[mine] = self.camera.look(scene, poses[mine])
         return image[chosen], ranges[chosen]
 
     def _observation(self, image: NDArray[np.uint8], ranges: Array, odometry: Array) -> Observation:
@@ -255,7 +258,7 @@ class ExplorationTask:
         laser = np.full((len(image), Laser.beams), np.nan)
         depth = ranges if self._depth else None
         senses = (image, depth, laser, odometry, still, still.copy())
-        return Observation(*senses, camera=self._camera)
+        return Observation(*senses, camera=self.camera)
 
 
 def _rows_by_scene(
