@@ -20,7 +20,8 @@ def scripted(kind, actions):
     source = EpisodeSource("hall", scene)
     nodes = source.paths.points
     start = np.array([[*nodes[np.argmin(np.hypot(*(nodes - [3.0, 4.0]).T))], 0.0]])
-    episode = Episodes(("hall",), start, start + [3.0, 0.0, 0.0], np.array([3.0]), ("medium",))
+    goal = start + np.array([3.0, 0.0, 0.0])
+    episode = Episodes(("hall",), start, goal, np.array([3.0]), ("medium",))
     rng = np.random.default_rng(0)
     task = ExplorationTask({"hall": scene}, episode, rng, noise=False)
     rewards = Rewards(kind, {"hall": source})
@@ -102,7 +103,7 @@ def test_a_robot_in_a_pocket_is_as_far_as_it_was():
     environment.reset(seed=0)
     task = environment._task
     here = task.poses.copy()
-    task.poses = here + [500.0, 0.0, 0.0]  # the geodesics know nothing of this place
+    task.poses = here + np.array([500.0, 0.0, 0.0])  # the geodesics know nothing of this place
     assert environment.step(LEFT)[1] == pytest.approx(-0.001)
     task.poses = here
     assert environment.step(LEFT)[1] == pytest.approx(-0.001, abs=0.1)
