@@ -74,8 +74,8 @@ MUTATIONS = [
     (
         "the environment pays at every step",
         "exploration/rewards.py",
-        "spl = np.where(acted & task.done, task.spl, 0.0)",
-        "spl = task.spl + 0.1",
+        "else np.zeros(len(task))",
+        "else np.ones(len(task))",
         "exploration/test_environment.py -k pays",
     ),
     (

@@ -221,8 +221,9 @@ class GridPaths:
         found = np.empty((len(goals), len(self.points)))
         for goal, node, gap, metres in zip(goals, nodes, gaps, found, strict=True):
             _spread(node, graph.indptr, graph.indices, graph.data, width, metres)
-            direct = np.linalg.norm(self.points - goal, axis=1)
-            metres[:] = np.where(metres < 1.5 * self.resolution, direct, metres + gap)
+            beside = np.flatnonzero(metres < 1.5 * self.resolution)
+            metres += gap
+            metres[beside] = np.linalg.norm(self.points[beside] - goal, axis=1)
         return found
 
     def _placed(self, goals: ArrayLike) -> tuple[Array, NDArray[np.int32], Array]:

@@ -55,7 +55,7 @@ class Episodes:
         floats("starts", self.starts, ("N", 3))
         floats("goals", self.goals, ("N", 3))
         floats("shortest", self.shortest, ("N",), least=0.0, infinite=True)
-        for name in instances("difficulty", self.difficulty, str):
+        for name in dict.fromkeys(instances("difficulty", self.difficulty, str)):
             one_of("difficulty", name, (*DIFFICULTIES, ""))
         counts = {len(column) for column in vars(self).values()}
         if len(counts) != 1 or counts == {0}:
@@ -227,9 +227,9 @@ class EpisodeSource:
     ) -> tuple[Array, Array] | None:
         """Poses (C, 3) so many metres from a goal, and how many (C,); None where there is none."""
         metres = self.metres_to(*goal[:2].tolist())[self.paths.largest]
+        near = np.flatnonzero((metres >= bounds[0]) & (metres < bounds[1]))
         # A path of 1.5 m around a corner may end nearer than `SUCCESS`: stop would succeed at once.
-        apart = np.linalg.norm(self._points - goal[:2], axis=1) >= SUCCESS
-        near = np.flatnonzero(apart & (metres >= bounds[0]) & (metres < bounds[1]))
+        near = near[np.linalg.norm(self._points[near] - goal[:2], axis=1) >= SUCCESS]
         if not len(near):
             return None
         chosen = [near[rng.integers(len(near))] for _ in range(count)]

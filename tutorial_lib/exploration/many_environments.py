@@ -79,7 +79,7 @@ class ManyImageGoalNavigations(VectorEnv):
         if seed is not None:
             self._np_random, self._np_random_seed = np_random(seed)
         self._options = options
-        self._ahead: list[Episodes] = []
+        self._ahead: Episodes | None = None
         self._scenes: dict[str, Scene] = {}
         episodes, scenes = self._next(self.num_envs)
         self._task = ExplorationTask(
@@ -119,18 +119,23 @@ class ManyImageGoalNavigations(VectorEnv):
         return self._observe(), rewards, over & ~truncated, truncated, self._info()
 
     def _next(self, count: int) -> tuple[Episodes, dict[str, Scene]]:
-        """Episodes, drawn ahead in turns of several starts to one goal; and their worlds."""
-        while len(self._ahead) < count:
-            turns = [
-                self._drawn.draw(self._options, self.np_random, _STARTS) for _ in range(_AHEAD)
-            ]
-            self._scenes |= {world: scene for world, scene, _ in turns}
-            episodes = Episodes.joined([turn for *_, turn in turns])
-            order = self.np_random.permutation(len(episodes))
-            self._ahead += [episodes[order[i : i + 1]] for i in range(len(order))]
-        chosen, self._ahead = self._ahead[:count], self._ahead[count:]
-        episodes = Episodes.joined(chosen)
+        """Episodes that were drawn ahead, and their worlds."""
+        parts, missing = [], count
+        while missing:
+            if self._ahead is None or self._taken == len(self._ahead):
+                self._ahead, self._taken = self._turns(), 0
+            parts.append(self._ahead[self._taken : self._taken + missing])
+            self._taken += len(parts[-1])
+            missing -= len(parts[-1])
+        episodes = parts[0] if len(parts) == 1 else Episodes.joined(parts)
         return episodes, {world: self._scenes[world] for world in set(episodes.worlds)}
+
+    def _turns(self) -> Episodes:
+        """Several goals with several starts each, in random order."""
+        turns = [self._drawn.draw(self._options, self.np_random, _STARTS) for _ in range(_AHEAD)]
+        self._scenes |= {world: scene for world, scene, _ in turns}
+        episodes = Episodes.joined([turn for *_, turn in turns])
+        return episodes[self.np_random.permutation(len(episodes))]
 
     def _observe(self) -> dict[str, NDArray]:
         seen = running(self._task).observe()

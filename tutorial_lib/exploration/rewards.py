@@ -48,7 +48,8 @@ class Rewards:
 
     def paid(self, task: ExplorationTask, acted: NDArray[np.bool_]) -> Array:
         """The rewards (N,) of a step, to the robots that `acted` (N,)."""
-        spl = np.where(acted & task.done, task.spl, 0.0)
+        ended = acted & task.done
+        spl = np.where(ended, task.spl, 0.0) if ended.any() else np.zeros(len(task))
         if not self._shaped:
             return spl
         before, self._metres = self._metres, self._distances(task.poses)
