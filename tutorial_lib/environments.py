@@ -11,6 +11,7 @@ Importing this module registers them; gymnasium does it itself for a name with t
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -18,7 +19,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import instance, whole
+from tutorial_lib.validation import instance, whole, with_methods
 
 IMAGE_GOAL = "tutorial_lib/ImageGoalNav-v0"
 CAR = "tutorial_lib/CarNav-v0"
@@ -47,37 +48,14 @@ class FlatViews(gymnasium.ObservationWrapper):
             rows: of an image; they divide its rows.
             columns: of an image and of depth; they divide its columns.
         """
-        parts = _images_of(env)
-        height, width, _ = parts["image"].shape
-        rows = whole("rows", rows, least=1, most=height)
-        columns = whole("columns", columns, least=1, most=width)
-        for name, many, all_of_them in (("rows", rows, height), ("columns", columns, width)):
-            if all_of_them % many:
-                raise InputError(f"{name}: {many} do not divide {all_of_them}; give a divisor")
+        parts = _images_of("env", instance("env", env, gymnasium.Env).observation_space)
+        self._cut = _Cut(parts, rows, columns)
         super().__init__(env)
-        self._rows, self._columns = rows, columns
-        self.observation_space = spaces.Dict({name: self._box(parts[name]) for name in parts})
+        self.observation_space = self._cut.space
 
     def observation(self, observation: dict[str, NDArray]) -> dict[str, NDArray[np.float32]]:
         """The parts (K,) of what was observed."""
-        return {name: self._flat(array) for name, array in observation.items()}
-
-    def _box(self, box: spaces.Box) -> spaces.Box:
-        size = self._flat(box.low).size
-        if box.dtype == np.float64:
-            return spaces.Box(box.low.astype(np.float32), box.high.astype(np.float32))
-        return spaces.Box(0.0, 1.0, (size,), np.float32)
-
-    def _flat(self, array: NDArray) -> NDArray[np.float32]:
-        if array.dtype == np.float64:  # odometry, speed and steering
-            return array.astype(np.float32)
-        if array.ndim == 1:
-            near = 1.0 / (1.0 + array)
-            return near.reshape(self._columns, -1).mean(axis=1, dtype=np.float32)
-        height, width, channels = array.shape
-        cut = (self._rows, height // self._rows, self._columns, width // self._columns, channels)
-        means = array.reshape(cut).mean(axis=(1, 3), dtype=np.float32)
-        return np.minimum(means / np.float32(255), np.float32(1)).ravel()
+        return self._cut.flat(observation)
 
 
 class OneImage(gymnasium.ObservationWrapper):
@@ -94,7 +72,8 @@ class OneImage(gymnasium.ObservationWrapper):
             env: one of this module's.
             least_rows: of the image; it has a multiple of the camera's rows.
         """
-        rows, columns, channels = _images_of(env)["image"].shape
+        parts = _images_of("env", instance("env", env, gymnasium.Env).observation_space)
+        rows, columns, channels = parts["image"].shape
         self._repeats = math.ceil(whole("least_rows", least_rows, least=1, most=4096) / rows)
         super().__init__(env)
         shape = (rows * self._repeats, columns, 2 * channels)
@@ -106,10 +85,125 @@ class OneImage(gymnasium.ObservationWrapper):
         return both.repeat(self._repeats, axis=0)
 
 
-def _images_of(env: gymnasium.Env) -> spaces.Dict:
-    """What an environment observes, where that is a view and the goal's."""
-    found = instance("env", env, gymnasium.Env).observation_space
+def for_baselines(many: gymnasium.vector.VectorEnv, rows: int = 4, columns: int = 32) -> Any:  # noqa: ANN401
+    """Many episodes in lock-step as Stable-Baselines3 has them, with the parts of `FlatViews`.
+
+    Its `info` has what the loggers of Stable-Baselines3 ask for: "episode" and "is_success".
+
+    Args:
+        many: what `gymnasium.make_vec` makes of `IMAGE_GOAL`.
+        rows: of an image; they divide its rows.
+        columns: of an image and of depth; they divide its columns.
+
+    Returns:
+        A `stable_baselines3.common.vec_env.VecEnv`, whose episodes begin again at once.
+
+    Raises:
+        ImportError: without Stable-Baselines3, which is in the extra `rl`.
+    """
+    many = with_methods("many", many, "restart", "step", "reset")
+    cut = _Cut(_images_of("many", many.single_observation_space), rows, columns)
+    from stable_baselines3.common.vec_env import VecEnv
+
+    class LockStep(VecEnv):
+        """The environments behind the interface of Stable-Baselines3."""
+
+        def __init__(self) -> None:
+            super().__init__(many.num_envs, cut.space, many.single_action_space)
+            self._returns = np.zeros(many.num_envs)
+
+        def reset(self) -> dict[str, NDArray]:
+            seen, _ = many.reset(seed=self._seeds[0])
+            self._reset_seeds()
+            self._returns[:] = 0.0
+            return cut.flat(seen)
+
+        def step_async(self, actions: NDArray) -> None:
+            self._actions = actions
+
+        def step_wait(self) -> tuple[dict[str, NDArray], NDArray, NDArray, list[dict[str, Any]]]:
+            seen, rewards, ended, truncated, info = many.step(self._actions)
+            over, flat = ended | truncated, cut.flat(seen)
+            self._returns += rewards
+            infos: list[dict[str, Any]] = [{} for _ in over]
+            for robot in np.flatnonzero(over):
+                infos[robot] = {
+                    "terminal_observation": {name: rows[robot] for name, rows in flat.items()},
+                    "TimeLimit.truncated": bool(truncated[robot]),
+                    "is_success": bool(info["success"][robot]),
+                    "episode": {"r": self._returns[robot], "l": int(info["steps"][robot])},
+                }
+            if over.any():
+                self._returns[over] = 0.0
+                flat = cut.flat(many.restart(np.flatnonzero(over)))
+            return flat, rewards, over, infos
+
+        def close(self) -> None:
+            many.close()
+
+        def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:  # noqa: ANN401
+            return [getattr(many, attr_name)] * len(list(self._get_indices(indices)))
+
+        def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:  # noqa: ANN401
+            setattr(many, attr_name, value)
+
+        def env_method(self, method_name: str, *arguments: Any, **options: Any) -> list[Any]:  # noqa: ANN401
+            raise NotImplementedError("there are no environments, only all of them in lock-step")
+
+        def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:  # noqa: ANN401
+            return [False] * len(list(self._get_indices(indices)))
+
+    return LockStep()
+
+
+class _Cut:
+    """Observations cut into parts, of which the means stay; see `FlatViews`.
+
+    Attributes:
+        space: of what is left.
+    """
+
+    def __init__(self, parts: spaces.Dict, rows: int, columns: int) -> None:
+        height, width, _ = parts["image"].shape
+        self._rows = _divisor("rows", rows, height)
+        self._columns = _divisor("columns", columns, width)
+        self.space = spaces.Dict({name: self._box(box) for name, box in parts.items()})
+
+    def flat(self, observation: dict[str, NDArray]) -> dict[str, NDArray[np.float32]]:
+        """Parts (..., K) of what one robot observed, or many."""
+        return {name: self._flat(array) for name, array in observation.items()}
+
+    def _box(self, box: spaces.Box) -> spaces.Box:
+        flat = self._flat(box.low)
+        if box.dtype == np.float64:
+            return spaces.Box(flat, self._flat(box.high))
+        return spaces.Box(0.0, 1.0, flat.shape, np.float32)
+
+    def _flat(self, array: NDArray) -> NDArray[np.float32]:
+        if array.dtype == np.float64:  # odometry, speed and steering
+            return array.astype(np.float32)
+        if array.dtype == np.float32:  # depth
+            near = 1 / (1 + array)
+            return near.reshape(*array.shape[:-1], self._columns, -1).mean(axis=-1)
+        *many, height, width, channels = array.shape
+        high, wide = height // self._rows, width // self._columns
+        # Sums of bytes, first of the rows: these lie in one piece.
+        sums = array.reshape(*many, self._rows, high, -1).sum(axis=-2, dtype=np.uint32)
+        sums = sums.reshape(*many, self._rows, self._columns, wide, channels).sum(axis=-2)
+        return (sums.reshape(*many, -1) / (255 * high * wide)).astype(np.float32)
+
+
+def _divisor(name: str, value: int, length: int) -> int:
+    """A number of equal parts of a length."""
+    value = whole(name, value, least=1, most=length)
+    if length % value:
+        raise InputError(f"{name}: {value} do not divide {length}; give a divisor")
+    return value
+
+
+def _images_of(name: str, found: spaces.Space) -> spaces.Dict:
+    """What is observed, where that is a view and the goal's."""
     if not isinstance(found, spaces.Dict) or not {"image", "goal_image"} <= found.keys():
         kind = type(found).__name__
-        raise InputError(f"env: it observes a {kind}; give one with image and goal_image")
+        raise InputError(f"{name}: it observes a {kind}; give one with image and goal_image")
     return found

@@ -106,17 +106,36 @@ class ManyImageGoalNavigations(VectorEnv):
         acting = integers("actions", actions, (self.num_envs,), least=0, most=len(ACTIONS) - 1)
         task.step(acting)  # robots whose episodes are over do nothing
         if len(fresh):
-            episodes, scenes = self._next(len(fresh))
-            task.replace(fresh, episodes, scenes)
-            self._rewards.begin(task, fresh)
-            goals = views(task.goals(fresh))
-            for name, rows in self._goals.items():
-                rows[fresh] = goals[name]
+            self._begin(task, fresh)
         over = task.done.copy()
         truncated = over & (acting != STOP) & (task.steps >= STEPS)
         rewards = self._rewards.paid(task, ~self._over)
         self._over = over
         return self._observe(), rewards, over & ~truncated, truncated, self._info()
+
+    def restart(self, robots: NDArray[np.integer]) -> dict[str, NDArray]:
+        """Let some robots begin other episodes at once, and not in the next step.
+
+        Args:
+            robots: (M,) rising indices.
+
+        Returns:
+            What all observe.
+        """
+        task = running(self._task)
+        robots = integers("robots", robots, ("M",), least=0, most=self.num_envs - 1, empty=False)
+        self._begin(task, robots)
+        self._over[robots] = False
+        return self._observe()
+
+    def _begin(self, task: ExplorationTask, robots: NDArray[np.intp]) -> None:
+        """Put robots at the starts of other episodes."""
+        episodes, scenes = self._next(len(robots))
+        task.replace(robots, episodes, scenes)
+        self._rewards.begin(task, robots)
+        goals = views(task.goals(robots))
+        for name, rows in self._goals.items():
+            rows[robots] = goals[name]
 
     def _next(self, count: int) -> tuple[Episodes, dict[str, Scene]]:
         """Episodes that were drawn ahead, and their worlds."""
