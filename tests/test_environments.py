@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from tutorial_lib.environments import CAR, IMAGE_GOAL, FlatViews, OneImage
+from tutorial_lib.environments import CAR, IMAGE_GOAL, FlatViews, OneImage, for_baselines
 from tutorial_lib.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -94,6 +94,14 @@ def test_what_does_not_fit_is_refused():
             wrap(3)
         with pytest.raises(InputError, match="env: it observes a Box; give one with image"):
             wrap(OneImage(environment))
+    many = gymnasium.make_vec(IMAGE_GOAL, num_envs=2, worlds=(10_100,))
+    for wrong, words in (
+        ({"many": environment}, "many: .*; give an object with the method restart"),
+        ({"many": many, "rows": 3}, "rows: 3 do not divide 16"),
+        ({"many": many, "columns": 0}, "columns: 0; give"),
+    ):
+        with pytest.raises(InputError, match=words):
+            for_baselines(**wrong)
 
 
 # The example of README.md.
@@ -112,23 +120,61 @@ def test_the_example_has_twenty_lines_at_most():
 
 
 def test_the_example_runs(capsys):
-    pytest.importorskip("stable_baselines3", reason="Stable-Baselines3 is in the extra rl")
+    baselines()
     steps = re.compile(r"^STEPS = [\d_]+$", re.M)
-    few = steps.sub("STEPS = 256", example()).replace(", 100, ", ", 2, ")
-    assert few.count("STEPS = 256") == 1
+    few, count = steps.subn("STEPS = 128", example().replace("n_steps=64", "n_steps=2"))
+    assert count == 1
     exec(few, {})
-    before, after = capsys.readouterr().out.splitlines()
-    assert before.startswith("before: reward ")
-    assert after.startswith("after: reward ")
+    assert re.search(r"total_timesteps +\| 128 ", capsys.readouterr().out)
+
+
+def baselines():
+    """Stable-Baselines3, without which a test is skipped."""
+    return pytest.importorskip(
+        "stable_baselines3", reason="Stable-Baselines3 is not installed; it is in the extra rl"
+    )
+
+
+def test_many_for_baselines_are_those_of_gymnasium_and_begin_again_at_once():
+    baselines()
+    choice = {"num_envs": 5, "worlds": (10_100, 10_101), "reward": "shaped"}
+    plain, rng = gymnasium.make_vec(IMAGE_GOAL, **choice), np.random.default_rng(0)
+    many = for_baselines(gymnasium.make_vec(IMAGE_GOAL, **choice), rows=2, columns=24)
+    many.seed(7)
+    seen, expected = many.reset(), plain.reset(seed=7)[0]
+    returns, episodes = np.zeros(5), 0
+    for _ in range(30):
+        assert many.observation_space["image"].shape == (2 * 24 * 3,)
+        assert (seen["odometry"] == expected["odometry"].astype(np.float32)).all()
+        part = expected["goal_image"][:, 8:, -8:].mean(axis=(1, 2)) / 255
+        assert seen["goal_image"][:, -3:] == pytest.approx(part, abs=1e-6)
+        actions = rng.choice(4, size=5, p=[0.1, 0.5, 0.2, 0.2])
+        seen, rewards, over, infos = many.step(actions)
+        expected, paid, ended, truncated, info = plain.step(actions)
+        returns += paid
+        assert (rewards == paid).all()
+        assert (over == ended | truncated).all()
+        assert [bool(one) for one in infos] == over.tolist()
+        for robot in np.flatnonzero(over):
+            told, last = infos[robot], expected["odometry"][robot].astype(np.float32)
+            assert (told["terminal_observation"]["odometry"] == last).all()
+            assert not seen["odometry"][robot].any()
+            assert told["episode"] == {
+                "r": pytest.approx(returns[robot]),
+                "l": info["steps"][robot],
+            }
+            assert told["is_success"] == info["success"][robot]
+            episodes += 1
+        if over.any():
+            returns[over] = 0.0
+            expected = plain.unwrapped.restart(np.flatnonzero(over))
+    assert episodes > 5
 
 
 @pytest.mark.parametrize("name", [IMAGE_GOAL, CAR])
 def test_convolutions_take_one_image(name):
-    baselines = pytest.importorskip(
-        "stable_baselines3", reason="Stable-Baselines3 is in the extra rl"
-    )
     environment = OneImage(gymnasium.make(name, worlds=(10_100,)))
-    learner = baselines.PPO("CnnPolicy", environment, n_steps=4, batch_size=4, n_epochs=1, seed=0)
+    learner = baselines().PPO("CnnPolicy", environment, n_steps=4, batch_size=4, n_epochs=1, seed=0)
     learner.learn(4)
     action, _ = learner.predict(environment.reset(seed=0)[0])
     assert environment.action_space.contains(action)
