@@ -233,7 +233,10 @@ def instances(
     """
     if not isinstance(values, Iterable) or isinstance(values, (str, bytes)):
         raise InputError(f"{name}: {quoted(values)}; give a list of {kind.__name__}")
-    found = tuple(instance(f"{name}[{n}]", value, kind) for n, value in enumerate(values))
+    found = tuple(values)
+    for number, value in enumerate(found):
+        if not isinstance(value, kind):
+            instance(f"{name}[{number}]", value, kind)
     if not (found or empty):
         raise InputError(f"{name}: there are none; give one {kind.__name__} at least")
     return found

@@ -142,6 +142,9 @@ DOORS = {
         goals=goals(takes="fewer axes"),
         shortest=flag(True),
     ),
+    "GridPaths.metres_to": lambda: call(
+        paths().metres_to, numbers, goals=goals(takes="fewer axes")
+    ),
     "GridPaths.between": lambda: call(
         paths().between, numbers, starts=floats(POINTS, ("N", 2)), goals=goals(("N", 2))
     ),

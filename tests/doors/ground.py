@@ -3,6 +3,7 @@
 import tempfile
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 
 from tests.doors.arguments import (
@@ -17,7 +18,7 @@ from tests.doors.arguments import (
     whole,
 )
 from tests.doors.walk import anything, call, numbers
-from tutorial_lib import files, geometry, interfaces, observation, parallel
+from tutorial_lib import environments, files, geometry, interfaces, observation, parallel
 
 POSES = np.array([[1.0, 2.0, 0.5], [2.0, 1.0, -0.5]])
 POINTS = np.array([[1.0, 1.0], [3.0, 2.0]])
@@ -41,6 +42,17 @@ def senses(count=2):
         "speed": floats(np.zeros(count), ("N",), **sensed),
         "steering": floats(np.zeros(count), ("N",), **sensed),
     }
+
+
+class Sees(gymnasium.Env):
+    """Observes a view and the goal's, and nothing else."""
+
+    observation_space = gymnasium.spaces.Dict(
+        {
+            name: gymnasium.spaces.Box(0, 255, (16, 192, 3), np.uint8)
+            for name in ("image", "goal_image")
+        }
+    )
 
 
 def pose_pair(function, first, second):
@@ -71,6 +83,16 @@ def enter(manager):
 
 
 DOORS = {
+    "FlatViews": lambda: call(
+        environments.FlatViews,
+        anything,
+        env=a(Sees()),
+        rows=whole(4, least=1, most=16),
+        columns=whole(32, least=1, most=192),
+    ),
+    "OneImage": lambda: call(
+        environments.OneImage, anything, env=a(Sees()), least_rows=whole(36, least=1, most=4096)
+    ),
     "wrap": lambda: call(geometry.wrap, angle=floats([1.0, 2.0])),
     "to_local": lambda: call(
         geometry.to_local, pose=floats(POSES, (..., 3)), points=floats(POINTS, (..., 2))
@@ -139,6 +161,9 @@ DOORS = {
     ),
 }
 WITHOUT = {
+    "FlatViews.observation": "gymnasium gives it what the environment observed",
+    "OneImage.observation": "as FlatViews.observation",
+    "for_baselines": "needs an extra; tests/test_environments.py gives it wrong arguments",
     "progress": "shows how far `for_each` is",
     "lines_of_progress": "as progress",
     "resumable": "of a folder that an experiment names",

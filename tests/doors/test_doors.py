@@ -15,7 +15,10 @@ from tests.doors.walk import TABLES, call, doors, parts, walk
 from tutorial_lib.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[2]
-GROUND = ("geometry", "observation", "interfaces", "files", "memory", "parallel", "validation")
+GROUND = (
+    "geometry", "observation", "interfaces", "files", "memory", "parallel", "validation",
+    "environments",
+)  # fmt: skip
 """Modules without a package; `tests/doors/ground.py` has their doors."""
 WHOLE = (*GROUND, "driving.metrics", "learning.calibration")
 """Modules in which all names are public, whatever their packages export."""

@@ -101,6 +101,18 @@ def test_waypoints_are_on_the_path_in_sight_and_within_reach(paths, pillars):
         assert np.allclose(waypoints[i], fields.goals[goals[i]])
 
 
+@pytest.mark.parametrize("family", FAMILIES)
+def test_lengths_without_paths_are_the_same_to_the_last_bit(family):
+    paths, rng = GridPaths(Scene(generate(family, 7)).clearance), np.random.default_rng(4)
+    goals = paths.points[rng.integers(len(paths.points), size=6)]
+    goals[3:] += rng.uniform(-0.04, 0.04, (3, 2))  # beside a node
+    found, fields = paths.metres_to(goals), paths.fields(goals, shortest=True)
+    for number, metres in enumerate(found):
+        expected = fields.distance(paths.points, number)
+        assert metres.tobytes() == expected.tobytes()
+    assert paths.metres_to(goals[4]).tobytes() == found[4].tobytes()
+
+
 def test_a_goal_near_a_wall_counts_its_whole_path(box):
     fields = GridPaths(box.clearance).fields([9.9, 5.0], shortest=True)
     assert fields.distance([[5.0, 5.0]])[0] == pytest.approx(4.9, abs=0.15)
@@ -125,15 +137,18 @@ def test_what_lies_behind_a_wall_cannot_be_reached():
     assert np.isfinite(fields.distance([[9.2, 9.1]])[0])
     with pytest.raises(InputError, match="no path from"):
         fields.path([1.0, 1.0])
+    reached = np.isfinite(paths.metres_to([5.0, 5.0])[0])
     largest = paths.largest
+    assert (reached == largest).all()
     assert largest[paths.nearest([5.0, 5.0])[0]]
     assert not largest[paths.nearest([1.0, 1.0])[0]]
 
 
 @pytest.mark.parametrize("goal", [[5.0, np.nan], [-3.0, 5.0], [3.0, 3.0]])
 def test_a_goal_that_is_not_free_is_refused(paths, goal):
-    with pytest.raises(InputError, match=r"goals: .*(not in free space|give finite)"):
-        paths.fields(goal)
+    for measure in (paths.fields, paths.metres_to):
+        with pytest.raises(InputError, match=r"goals: .*(not in free space|give finite)"):
+            measure(goal)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -10,8 +10,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from tests.conftest import make_box
+from tutorial_lib.environments import IMAGE_GOAL as NAME
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.environment import NAME, ImageGoalNavigation
+from tutorial_lib.exploration.environment import ImageGoalNavigation
 from tutorial_lib.exploration.episodes import DIFFICULTIES, exploration_world
 from tutorial_lib.exploration.top_view import FLOOR, GOAL, PATH, ROBOT, SIDE, SOLID, top_view
 from tutorial_lib.world.noise import FORWARD, LEFT, STOP
@@ -242,6 +243,10 @@ def test_wrong_input_is_refused():
         gymnasium.make(NAME, signs="neon")
     with pytest.raises(InputError, match="difficulty: 'huge' is unknown"):
         gymnasium.make(NAME, worlds=(10_100,), difficulty="huge")
+    with pytest.raises(InputError, match="reward: 'money' is unknown; use one of spl, shaped"):
+        gymnasium.make(NAME, reward="money")
+    with pytest.raises(InputError, match="noise: 2"):
+        gymnasium.make(NAME, noise=2)
     with pytest.raises(InputError, match="render_mode: 'human' is unknown"):
         ImageGoalNavigation(render_mode="human")
     for worlds in ((), 5, ("a",), (1.7,), (-1,)):

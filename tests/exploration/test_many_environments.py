@@ -1,11 +1,15 @@
 """Many episodes in lock-step, as a vector environment of Gymnasium."""
 
+from copy import deepcopy
+
 import gymnasium
 import numpy as np
 import pytest
 
+from tutorial_lib.environments import IMAGE_GOAL as NAME
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.environment import NAME, ManyImageGoalNavigations
+from tutorial_lib.exploration.many_environments import ManyImageGoalNavigations
+from tutorial_lib.exploration.rewards import Rewards
 from tutorial_lib.world.noise import FORWARD, LEFT, STOP
 
 WORLDS = (10_100, 10_101)
@@ -39,6 +43,52 @@ def test_the_same_seed_and_actions_give_the_same_episodes_through_resets():
             states += [seen["image"], seen["goal_depth"], seen["odometry"], rewards]
         rolled.append(states)
     assert all(np.array_equal(a, b) for a, b in zip(*rolled, strict=True))
+
+
+@pytest.mark.parametrize("sensor", ["rgbd", "rgb"])
+def test_each_is_an_environment_of_its_own_to_the_last_bit(sensor):
+    many = make(5, reward="shaped", sensor=sensor)
+    first, _ = many.reset(seed=4)
+    task, sources = many.unwrapped._task, many.unwrapped._drawn.sources
+    assert len(set(task.episodes.worlds)) == 2
+
+    def begin(robot, noise):
+        """An environment with the present episode of a robot, and its noise."""
+        one = gymnasium.make(NAME, worlds=WORLDS, sensor=sensor).unwrapped
+        world, episode = task.episodes.worlds[robot], task.episodes[robot : robot + 1]
+        one._drawn.draw = lambda options, rng: (world, task.scenes[world], episode)
+        one._rewards = Rewards("shaped", sources)
+        seen, _ = one.reset()
+        one._task._noise = noise
+        return one, seen
+
+    singles = []
+    for robot, stream in enumerate(task._noise._streams):
+        one, seen = begin(robot, None)
+        one._task._noise = type(task._noise)(1, np.random.default_rng(0))
+        one._task._noise._streams = [deepcopy(stream)]
+        singles.append(one)
+        assert all(first[name][robot].tobytes() == seen[name].tobytes() for name in first)
+    rng, episodes, over = np.random.default_rng(1), 0, np.zeros(5, bool)
+    for _ in range(40):
+        actions = rng.choice(4, size=5, p=[0.05, 0.55, 0.2, 0.2])
+        seen, rewards, ended, truncated, info = many.step(actions)
+        for robot, one in enumerate(singles):
+            if over[robot]:
+                noise = one._task._noise
+                noise.draw(np.array([STOP]))  # the step in which another episode begins
+                singles[robot], alone = begin(robot, noise)
+                expected = alone, 0.0, False, False, {"success": False, "spl": 0.0, "steps": 0}
+            else:
+                expected = one.step(actions[robot])
+            for name, part in expected[0].items():
+                assert part.dtype == seen[name].dtype
+                assert part.tobytes() == seen[name][robot].tobytes(), name
+            assert (rewards[robot], ended[robot], truncated[robot]) == expected[1:4]
+            assert {name: column[robot] for name, column in info.items()} == expected[4]
+        over = ended | truncated
+        episodes += over.sum()
+    assert episodes > 5
 
 
 def test_an_episode_that_is_over_makes_room_for_another_in_the_next_step():

@@ -23,6 +23,13 @@ MUTATIONS = [
         "driving/test_geodesics.py",
     ),
     (
+        "a bucket of distances is wider than an edge",
+        "driving/geodesics.py",
+        "_BUCKETS, _WIDTH = 4, 0.9",
+        "_BUCKETS, _WIDTH = 4, 1.9",
+        "driving/test_geodesics.py -k to_the_last_bit",
+    ),
+    (
         "a robot that turns first and gets stuck stays stuck",
         "driving/control/oracle.py",
         "self._other[robots] ^= stuck",

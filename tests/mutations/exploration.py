@@ -73,10 +73,24 @@ MUTATIONS = [
     ),
     (
         "the environment pays at every step",
-        "exploration/environment.py",
-        "reward = float(task.spl[0]) if over else 0.0",
-        "reward = float(task.spl[0]) + 0.1",
+        "exploration/rewards.py",
+        "else np.zeros(len(task))",
+        "else np.ones(len(task))",
         "exploration/test_environment.py -k pays",
+    ),
+    (
+        "progress is paid from the start on, again at every step",
+        "exploration/rewards.py",
+        "before, self._metres = self._metres, self._distances(task.poses)",
+        "before, self._metres = task.episodes.shortest, self._distances(task.poses)",
+        "exploration/test_rewards.py -k exactly",
+    ),
+    (
+        "the next episode's start counts as progress",
+        "exploration/many_environments.py",
+        "self._rewards.paid(task, ~self._over)",
+        "self._rewards.paid(task, self._over | True)",
+        "exploration/test_rewards.py -k lock_step",
     ),
     (
         "an episode that is over goes on",

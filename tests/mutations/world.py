@@ -256,8 +256,8 @@ MUTATIONS = [
     (
         "motion and reading share their luck",
         "world/noise.py",
-        "table[action].motions(luck[rows, which],",
-        "table[action].motions(luck[rows, 0],",
+        "(luck[..., None] >= _BORDERS",
+        "(luck[:, :1, None] >= _BORDERS",
         "world/test_noise.py",
     ),
     (

@@ -12,7 +12,7 @@ LAYERS = (
     ("array_forms", "se2"),
     ("validation",),
     ("observation",),
-    ("geometry", "interfaces", "files", "memory", "reading", "course"),
+    ("geometry", "interfaces", "files", "memory", "reading", "course", "environments"),
     ("parallel",),
     ("world",),
     ("driving",),

@@ -114,7 +114,7 @@ def test_the_wheel_holds_the_course_and_says_what_it_is(wheel):
     assert "topological map" in metadata["Keywords"]
     assert "Typing :: Typed" in metadata.get_all("Classifier")
     assert all("https://" in url for url in metadata.get_all("Project-URL"))
-    extras = {"student", "test", "dev", "scale", "export", "docs"}
+    extras = {"student", "test", "dev", "scale", "export", "docs", "rl"}
     assert set(metadata.get_all("Provides-Extra")) == extras
     required = [line for line in metadata.get_all("Requires-Dist") if "extra" not in line]
     assert any(line.startswith("jupyterlab") for line in required)

@@ -1,7 +1,11 @@
-"""The same task for a car, in pymunk: it drives to waypoints, and cannot turn in place."""
+"""The same task for a car, in pymunk: it cannot turn in place.
+
+It drives to waypoints with a panorama, or is steered with a camera ahead.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,8 +22,8 @@ from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.noise import DriftingOdometry, NoNoise
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Sensors
-from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.world.sensors import Camera, Sensors
+from tutorial_lib.world.simulation import STEP, Simulation, checked_actions
 
 CAR = BicycleCar(max_speed=DifferentialDrive.max_speed)
 """As fast as the round robot, 0.5 m/s."""
@@ -74,16 +78,47 @@ class CarTask(ExplorationTask):
     def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         waypoints = floats("waypoints", actions, (len(self), 2), nan=True)
         stops = np.any(np.isnan(waypoints), axis=1)
+        going = running & ~stops
+        self._drive(running, lambda fleet: fleet.drive(waypoints[fleet.rows], going[fleet.rows]))
+        return stops
+
+    def _drive(
+        self,
+        running: NDArray[np.bool_],
+        drive: Callable[[_Fleet], tuple[Array, NDArray[np.bool_]]],
+    ) -> None:
+        """Let each world's cars drive, and note where the `running` ones (N,) came."""
         self.poses, self.odometry = self.poses.copy(), self.odometry.copy()
         self.travelled = self.travelled.copy()
         for fleet in self._fleets:
             rows = fleet.rows
-            metres, touched = fleet.drive(waypoints[rows], (running & ~stops)[rows])
+            metres, touched = drive(fleet)
             self.travelled[rows] += metres * running[rows]
             self.collisions[rows] += touched & running[rows]
             self.poses[rows] = fleet.simulation.poses
             self.odometry[rows] = fleet.simulation.odometry
-        return stops
+
+
+class SteeredCarTask(CarTask):
+    """N cars that are steered ten times a second, each with a camera that looks ahead."""
+
+    camera = Camera()
+
+    def step(self, actions: ArrayLike) -> None:
+        """Drive for a tenth of a second; cars that are done brake.
+
+        Args:
+            actions: (N, 2) speed in m/s and steering in rad; a car does what it can of it.
+
+        Raises:
+            InputError: when one is missing or not finite.
+        """
+        super().step(actions)
+
+    def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        controls = checked_actions(actions, len(self)) * running[:, None]
+        self._drive(running, lambda fleet: fleet.step(controls[fleet.rows]))
+        return np.zeros(len(self), bool)
 
 
 class _Fleet:
@@ -113,13 +148,18 @@ class _Fleet:
         places = to_world(simulation.odometry[cars], waypoints[cars])
         metres, touched = np.zeros(len(going)), np.zeros(len(going), bool)
         for _ in range(STEPS_EACH):
-            actions, before = np.zeros((len(going), 2)), simulation.poses
-            seen = simulation.observe(cars)
+            actions, seen = np.zeros((len(going), 2)), simulation.observe(cars)
             actions[cars] = self._control.act(seen, cars, to_local(seen.odometry, places))
-            simulation.step(actions)
-            metres += np.linalg.norm(simulation.poses[:, :2] - before[:, :2], axis=1)
-            touched |= simulation.touching
+            moved, touching = self.step(actions)
+            metres, touched = metres + moved, touched | touching
         return metres, touched
+
+    def step(self, actions: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Do actions (M, 2) for a control step; metres (M,), and whether each touches anything."""
+        before = self.simulation.poses
+        self.simulation.step(actions)
+        moved = np.linalg.norm(self.simulation.poses[:, :2] - before[:, :2], axis=1)
+        return moved, self.simulation.touching
 
 
 def turned_to_fit(scene: Scene, poses: Array) -> Array:

@@ -26,6 +26,7 @@ FAMILIES = ("apartment", "office")
 """Of the worlds, by seed."""
 _MOST = 1_000_000  # episodes
 _GOALS = 12  # drawn for one episode, before giving up
+_KEPT = 16  # goals, to which the distances of all places are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ class Episodes:
         floats("starts", self.starts, ("N", 3))
         floats("goals", self.goals, ("N", 3))
         floats("shortest", self.shortest, ("N",), least=0.0, infinite=True)
-        for name in instances("difficulty", self.difficulty, str):
+        for name in dict.fromkeys(instances("difficulty", self.difficulty, str)):
             one_of("difficulty", name, (*DIFFICULTIES, ""))
         counts = {len(column) for column in vars(self).values()}
         if len(counts) != 1 or counts == {0}:
@@ -162,12 +163,17 @@ def _check_drawn(scene: Scene, rng: np.random.Generator) -> None:
 
 
 class EpisodeSource:
-    """Draws episodes in one world, of which it knows all places where a robot can be."""
+    """Draws episodes in one world, of which it knows all places where a robot can be.
+
+    Attributes:
+        paths: the grid of these places.
+    """
 
     def __init__(self, world: str, scene: Scene) -> None:
         """Look for the places of `scene`, whose name is `world`."""
-        self._world, self._paths = world, GridPaths(scene.clearance)
-        self._points = self._paths.points[self._paths.largest]
+        self._world, self.paths = world, GridPaths(scene.clearance)
+        self._points = self.paths.points[self.paths.largest]
+        self._metres: dict[tuple[float, float], Array] = {}
 
     def draw(self, counts: dict[str, int], rng: np.random.Generator, starts: int = 1) -> Episodes:
         """Episodes of each difficulty, unchecked; see `draw_episodes`.
@@ -193,6 +199,14 @@ class EpisodeSource:
             raise InputError("goals: no place is that far from the one before; take another world")
         return found[0][0]
 
+    def metres_to(self, x: float, y: float) -> Array:
+        """Geodesic metres (K,) from each node of `paths` to a goal; those of the last are kept."""
+        if (x, y) not in self._metres:
+            if len(self._metres) == _KEPT:
+                del self._metres[next(iter(self._metres))]
+            self._metres[x, y] = self.paths.metres_to([x, y])[0]
+        return self._metres[x, y]
+
     def _to_a_goal(
         self, difficulty: str, rng: np.random.Generator, count: int
     ) -> tuple[Array, Array, Array]:
@@ -212,10 +226,10 @@ class EpisodeSource:
         self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator, count: int
     ) -> tuple[Array, Array] | None:
         """Poses (C, 3) so many metres from a goal, and how many (C,); None where there is none."""
-        metres = self._paths.fields(goal[None, :2], shortest=True).distance(self._points)
+        metres = self.metres_to(*goal[:2].tolist())[self.paths.largest]
+        near = np.flatnonzero((metres >= bounds[0]) & (metres < bounds[1]))
         # A path of 1.5 m around a corner may end nearer than `SUCCESS`: stop would succeed at once.
-        apart = np.linalg.norm(self._points - goal[:2], axis=1) >= SUCCESS
-        near = np.flatnonzero(apart & (metres >= bounds[0]) & (metres < bounds[1]))
+        near = near[np.linalg.norm(self._points[near] - goal[:2], axis=1) >= SUCCESS]
         if not len(near):
             return None
         chosen = [near[rng.integers(len(near))] for _ in range(count)]

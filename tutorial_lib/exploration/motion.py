@@ -8,6 +8,8 @@ robot of pymunk's would slide along its wall; this one has a bumper that stops i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -68,10 +70,25 @@ def move(
     poses, motions = floats("poses", poses, ("N", 3)), floats("motions", motions, ("N", 3))
     segments = floats("segments", segments, ("S", 4))
     fit_together(poses=(poses, ("N", 3)), motions=(motions, ("N", 3)))
-    wanted = to_world(poses, motions[:, :2])
+    walls = [(np.ascontiguousarray(segments), np.arange(len(poses)))]
+    return move_among(poses, motions, walls, radius)
+
+
+def move_among(
+    poses: Array, motions: Array, walls: Sequence[tuple[Array, NDArray[np.intp]]], radius: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """`move` for arrays that are right already, of robots in several worlds.
+
+    Args:
+        poses: (N, 3).
+        motions: (N, 3).
+        walls: of each world (S, 4), in one piece, with the rows (M,) of its robots.
+        radius: of the robots, metres.
+    """
+    wanted, starts = to_world(poses, motions[:, :2]), np.ascontiguousarray(poses[:, :2])
     places, stopped = np.empty((len(poses), 2)), np.empty(len(poses), np.bool_)
-    starts = np.ascontiguousarray(poses[:, :2])
-    _advance_until_contact(starts, wanted, np.ascontiguousarray(segments), radius, places, stopped)
+    for segments, rows in walls:
+        _advance_until_contact(starts, wanted, rows, segments, radius, places, stopped)
     return np.column_stack([places, wrap(poses[:, 2] + motions[:, 2])]), stopped
 
 
@@ -79,6 +96,7 @@ def move(
 def _advance_until_contact(
     starts: Array,
     wanted: Array,
+    rows: NDArray[np.intp],
     segments: Array,
     radius: float,
     places: Array,
@@ -86,14 +104,18 @@ def _advance_until_contact(
 ) -> None:
     """Advance in small steps while no wall comes nearer than `radius`, or none comes nearer."""
     near = np.empty_like(segments)
-    for n in range(len(starts)):
+    for n in rows:
         x, y = starts[n, 0], starts[n, 1]
         dx, dy = wanted[n, 0] - x, wanted[n, 1] - y
         metres = np.sqrt(dx * dx + dy * dy)
         count = int(np.ceil(metres / _STEP))
-        found = 0  # walls that are in reach
+        reach, found = radius + metres + 2 * _STEP, 0  # walls that are in reach
         for s in range(len(segments)):
-            if _gap(x, y, segments[s : s + 1]) < radius + metres + 2 * _STEP:
+            x0, y0, x1, y1 = segments[s]
+            # Most are far away along x or y already.
+            if max(min(x0, x1) - x, x - max(x0, x1), min(y0, y1) - y, y - max(y0, y1)) >= reach:
+                continue
+            if _gap(x, y, segments[s : s + 1]) < reach:
                 near[found] = segments[s]
                 found += 1
         before = _gap(x, y, near[:found])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +12,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import spl
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import SUCCESS, Episodes
-from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
+from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move_among
 from tutorial_lib.interfaces import ExplorerAgent, SequentialExplorer
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, compose, relative
@@ -19,7 +20,7 @@ from tutorial_lib.validation import flag, floats, instance, integers, whole, wit
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.noise import STOP, DiscreteNoise
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Laser, PanoramicCamera
+from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
 
 STEPS = 500
 """Actions of an episode, at most."""
@@ -33,6 +34,7 @@ class ExplorationTask:
     else; the attributes here are for those who measure, and for oracles.
 
     Attributes:
+        camera: of the robots.
         episodes: see `Episodes`.
         scenes: the worlds by name.
         poses: (N, 3) true poses.
@@ -44,6 +46,8 @@ class ExplorationTask:
         collisions: (N,) actions that ended at a wall.
         path: true poses (N, 3) at the start and after each step.
     """
+
+    camera: ClassVar[Camera | PanoramicCamera] = PanoramicCamera()
 
     def __init__(
         self,
@@ -86,11 +90,10 @@ class ExplorationTask:
         self.episodes, self.scenes, count = episodes, scenes, len(episodes)
         self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
         self._rows = _rows_by_scene(scenes, episodes.worlds)
-        self._camera = PanoramicCamera()
         self.poses, self.odometry = episodes.starts.astype(float), np.zeros((count, 3))
         self._goals, self._shortest = episodes.goals, episodes.shortest
-        self._image = np.zeros((count, self._camera.rows, self._camera.columns, 3), np.uint8)
-        self._ranges = np.zeros((count, self._camera.columns))
+        self._image = np.zeros((count, self.camera.rows, self.camera.columns, 3), np.uint8)
+        self._ranges = np.zeros((count, self.camera.columns))
         self._stale = np.ones(count, bool)
         self._put_down(rng, noise)
         self.path, self.collisions = [self.poses], np.zeros(count, np.intp)
@@ -122,7 +125,10 @@ class ExplorationTask:
     def observe(self) -> Observation:
         """What the robots' sensors measure now; those that are done see what they saw last."""
         image, ranges = self._look(self.poses, self._stale)
-        self._image[self._stale], self._ranges[self._stale] = image, ranges
+        if len(image) == len(self):
+            self._image, self._ranges = image, ranges
+        else:
+            self._image[self._stale], self._ranges[self._stale] = image, ranges
         self._stale[:] = False
         return self._observation(self._image.copy(), self._ranges.copy(), self.odometry.copy())
 
@@ -159,12 +165,15 @@ class ExplorationTask:
         """Move the `running` robots (N,) as `step` does; which of them stop (N,)."""
         actions = integers("actions", actions, (len(self),), least=min(ACTIONS), most=max(ACTIONS))
         actions = np.where(running, actions, STOP)
-        wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
-        if self._noise is not None:
+        if self._noise is None:
+            wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
+        else:
             wanted, errors = self._noise.draw(actions)
-        before, self.poses = self.poses, self.poses.copy()
-        for scene, rows in self._rows:
-            self._move(scene, rows[(actions[rows] != STOP)], wanted)
+        before, moving = self.poses, actions != STOP
+        walls = [(scene.plan.segments, rows) for scene, rows in self._rows]
+        after, stopped = move_among(before, wanted, walls, DifferentialDrive.radius)
+        self.poses = np.where(moving[:, None], after, before)
+        self.collisions += stopped & moving
         motions = relative(before, self.poses)
         self.odometry = compose(self.odometry, motions + errors)
         self.travelled = self.travelled + np.linalg.norm(motions[:, :2], axis=1)
@@ -229,11 +238,6 @@ class ExplorationTask:
         self._stale[:] = True
         self.path.append(self.poses)
 
-    def _move(self, scene: Scene, rows: NDArray[np.intp], motions: Array) -> None:
-        segments, radius = scene.plan.segments, DifferentialDrive.radius
-        self.poses[rows], stopped = move(self.poses[rows], motions[rows], segments, radius)
-        self.collisions[rows] += stopped
-
     def _end(self, running: NDArray[np.bool_], stops: NDArray[np.bool_]) -> None:
         """Mark finished episodes and successes."""
         near = np.linalg.norm(self.poses[:, :2] - self._goals[:, :2], axis=1) < SUCCESS
@@ -243,19 +247,23 @@ class ExplorationTask:
 
     def _look(self, poses: Array, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.uint8], Array]:
         """Images and ranges of the chosen poses, in their order."""
-        image, ranges = np.empty_like(self._image), np.empty_like(self._ranges)
+        if len(self._rows) == 1:
+            return self.camera.look(self._rows[0][0], poses[chosen])
+        place = np.cumsum(chosen) - 1
+        image = np.empty((chosen.sum(), *self._image.shape[1:]), np.uint8)
+        ranges = np.empty((len(image), self._ranges.shape[1]))
         for scene, rows in self._rows:
             mine = rows[chosen[rows]]
             if len(mine):
-                image[mine], ranges[mine] = self._camera.look(scene, poses[mine])
-        return image[chosen], ranges[chosen]
+                image[place[mine]], ranges[place[mine]] = self.camera.look(scene, poses[mine])
+        return image, ranges
 
     def _observation(self, image: NDArray[np.uint8], ranges: Array, odometry: Array) -> Observation:
         still = np.zeros(len(image))
         laser = np.full((len(image), Laser.beams), np.nan)
         depth = ranges if self._depth else None
         senses = (image, depth, laser, odometry, still, still.copy())
-        return Observation(*senses, camera=self._camera)
+        return Observation(*senses, camera=self.camera)
 
 
 def _rows_by_scene(

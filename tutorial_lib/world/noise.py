@@ -195,6 +195,29 @@ ODOMETRY = {
 """Error of the odometry's reading of each discrete action, from the same source."""
 
 
+def _stacked(*tables: dict[int, Mixture]) -> tuple[Array, Array, Array]:
+    """Mixtures of T tables and A actions as arrays, so that many are drawn from at once.
+
+    Returns:
+        From which luck on each next Gaussian is meant (T, A, M - 1), inf where there is none; and
+        means and deviations (T, A, M, 3).
+    """
+    most = max(len(mixture.weights) for table in tables for mixture in table.values())
+    shape = (len(tables), len(tables[0]), most)
+    borders, means = np.full(shape, np.inf), np.zeros((*shape, 3))
+    deviations = np.zeros_like(means)
+    for t, table in enumerate(tables):
+        for action, mixture in table.items():
+            count = len(mixture.weights)
+            borders[t, action, : count - 1] = np.cumsum(mixture.weights)[:-1]
+            means[t, action, :count] = mixture.means
+            deviations[t, action, :count] = mixture.deviations
+    return borders[..., :-1], means, deviations
+
+
+_BORDERS, _MEANS, _DEVIATIONS = _stacked(ACTUATION, ODOMETRY)
+
+
 class DiscreteNoise:
     """`ACTUATION` and `ODOMETRY` of N robots, each with a random stream of its own.
 
@@ -219,9 +242,7 @@ class DiscreteNoise:
             self._noise, self._row = np.stack(normal, axis=1), 0
         luck, noise = self._luck[self._row], self._noise[self._row]
         self._row += 1
-        drawn = np.zeros((2, len(actions), 3))
-        for action in np.unique(actions).tolist():
-            rows = np.flatnonzero(actions == action)
-            for which, table in enumerate((ACTUATION, ODOMETRY)):
-                drawn[which, rows] = table[action].motions(luck[rows, which], noise[rows, which])
-        return drawn[0], drawn[1]
+        both, actions = np.arange(2), actions[:, None]
+        mode = (luck[..., None] >= _BORDERS[both, actions]).sum(axis=-1)
+        drawn = _MEANS[both, actions, mode] + _DEVIATIONS[both, actions, mode] * noise
+        return drawn[:, 0], drawn[:, 1]
