@@ -36,6 +36,8 @@ from tutorial_lib.reading.regular import read_bytes
 FOLDER = Path(__file__).resolve().parents[1] / "templates"
 FIRST, QUICK, WHOLE = 120.0, 1_200.0, 14_400.0
 """Seconds of the processor that a class may take for its first try, a quick run, a whole one."""
+START = 60.0
+"""Seconds that its process may take to begin."""
 MEMORY = 4e9
 """Bytes that it may take, on Linux."""
 
@@ -123,7 +125,7 @@ def apart(seconds: float, where: str, quick: bool, first: bool) -> dict[str, Any
     process.start()
     theirs.close()
     try:
-        if ours.poll(3 * seconds):
+        if ours.poll(START + 3 * seconds):
             return json.loads(ours.recv_bytes())
         return {"fault": f"does not end after {seconds:g} seconds, whatever is done to end it"}
     except EOFError:
