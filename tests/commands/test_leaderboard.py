@@ -32,7 +32,10 @@ FAULTY = {
     "syntax error": ("class Mine(\n", "own.py, line 1: SyntaxError"),
     "wrong class": (GOOD.replace("Mine", "Another"), "own.py has no Mine"),
     "missing method": (GOOD.replace("act(", "drive("), "has the methods of no component"),
-    "raises in __init__": (CLASS.format(init="1 / 0", act=""), "own.py, line 6: ZeroDivisionError"),
+    "raises in __init__": (
+        CLASS.format(init="1 / 0", act="pass"),
+        "own.py, line 6: ZeroDivisionError",
+    ),
     "raises in act": (CLASS.format(init="pass", act="1 / 0"), "own.py, line 8: ZeroDivisionError"),
     "returns None": (CLASS.format(init="pass", act="return None"), "actions: None"),
     "NaN": (CLASS.format(init="pass", act="return np.full((3, 2), np.nan)"), "actions: nan"),
@@ -71,9 +74,7 @@ def board(tmp_path, monkeypatch):
     """Runs the command on a class by that experiment, in this process; returns code and board."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("TUTORIAL_CACHE", str(tmp_path / "cache"))
-    entry = Experiment(
-        *("fake", fake, (1, 2), (1,)), Settings(), canary=Settings(1), accepts=frozenset({"agent"})
-    )
+    entry = Experiment("fake", fake, (1, 2), (1,), Settings(), Settings(), Settings(1))
     contest = Contest(
         *(entry, "controllers", "controller", ("condition",)),
         *(("success", "low", "high"), ("k5", "random")),

@@ -2,19 +2,23 @@
 
 import json
 import re
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from functools import cache
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joblib import parallel_config
 
 import tutorial_lib
+from tests.conftest import make_box
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.own import MEMBERS
 from tutorial_lib.experiments.leaderboard import (
     CONTESTS,
     LOCAL,
+    NAVIGATION,
     SEAMS,
     Entry,
     judged,
@@ -24,8 +28,13 @@ from tutorial_lib.experiments.leaderboard import (
     read_board,
     text_of,
 )
+from tutorial_lib.experiments.meng2020 import table1, table2
+from tutorial_lib.experiments.protocols import local_control, navigation
+from tutorial_lib.world.plan_json import save_plan
 
 TEMPLATES = Path(tutorial_lib.__file__).parent / "templates"
+CLEAN = cache(local_control.clean_condition)
+"""Makes the condition without noise; the same one is made once."""
 SHA = "0123456789abcdef" * 4
 
 
@@ -161,9 +170,24 @@ def test_there_is_a_short_template_for_every_seam():
         assert (TEMPLATES / f"{name}.py").read_text(encoding="utf-8").count("\n") < 30
 
 
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """Navigation takes place in a room, and controllers drive under one condition."""
+    save_plan(make_box(), tmp_path / "room.json")
+    monkeypatch.setattr(navigation, "GRACE", 1.0)
+    room = table2.Settings(places_on_map=3, trials_of_part=2)
+    monkeypatch.setattr(table1, "conditions", lambda *given: {"clean": CLEAN(*given)})
+    for seam, contest in SEAMS.items():
+        if contest is NAVIGATION:
+            options = replace(contest.options, map=tmp_path / "room.json")
+            run = replace(contest.experiment, canary=room)
+            monkeypatch.setitem(SEAMS, seam, replace(contest, experiment=run, options=options))
+
+
 @pytest.mark.parametrize("name", files())
-def test_a_template_is_judged(name):
-    found = judged(f"{TEMPLATES / name}.py:Mine", quick=True, first=True)
+def test_a_template_is_judged(name, small):
+    with parallel_config(backend="sequential"):
+        found = judged(f"{TEMPLATES / name}.py:Mine", quick=True, first=True)
     assert found["seam"] == name.removeprefix("lifelong_").replace("_", " ")
     assert "fault" not in found
     assert found["experiment"] == ("race" if "lifelong" in name else SEAMS[found["seam"]].name)

@@ -91,7 +91,7 @@ LOCAL = Contest(
     ("oracle", "k5", "direct", "random"),
 )
 NAVIGATION = Contest(
-    table2.EXPERIMENT,
+    replace(table2.EXPERIMENT, canary=table2.Settings(places=3, trials_of_part=2)),
     *("methods", "method", ("world",), SUCCESS),
     ("oracle", "meng", "sptm", "random"),
     Options(drives=table2.QUICK_DRIVES),  # with all of them nearly every agent arrives
