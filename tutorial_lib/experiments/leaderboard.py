@@ -237,7 +237,8 @@ def _entry(where: str, given: dict[str, Any]) -> Entry:
     wrong = [name for name, good in fits.items() if not good]
     if wrong:
         raise InputError(f"{where}: {', '.join(wrong)} cannot be right")
-    return Entry(**{**given, "worlds": tuple(given["worlds"])})
+    checked: dict[str, Any] = {**given, "worlds": tuple(worlds)}
+    return Entry(**checked)
 
 
 def _is_row(row: dict[str, Any], contest: Contest) -> bool:
