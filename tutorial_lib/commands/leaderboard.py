@@ -36,8 +36,8 @@ from tutorial_lib.reading.regular import read_bytes
 FOLDER = Path(__file__).resolve().parents[1] / "templates"
 FIRST, QUICK, WHOLE = 120.0, 1_200.0, 14_400.0
 """Seconds of the processor that a class may take for its first try, a quick run, a whole one."""
-START = 60.0
-"""Seconds that its process may take to begin."""
+WAITING, START = 5.0, 600.0
+"""How many times as long it may take by the clock of a busy machine, and its process to begin."""
 MEMORY = 4e9
 """Bytes that it may take, on Linux."""
 
@@ -125,7 +125,7 @@ def apart(seconds: float, where: str, quick: bool, first: bool) -> dict[str, Any
     process.start()
     theirs.close()
     try:
-        if ours.poll(START + 3 * seconds):
+        if ours.poll(START + 2 * WAITING * seconds):
             return json.loads(ours.recv_bytes())
         return {"fault": f"does not end after {seconds:g} seconds, whatever is done to end it"}
     except EOFError:
@@ -142,7 +142,7 @@ def _send(to: Connection, seconds: float, where: str, quick: bool, first: bool) 
 
 def limited(seconds: float, where: str, quick: bool, first: bool) -> dict[str, Any]:
     """What `judged` returns within `seconds` of the processor and `MEMORY`, on one core."""
-    guard.SECONDS, guard.WAITING, guard.MEMORY = seconds, 2 * seconds, MEMORY
+    guard.SECONDS, guard.WAITING, guard.MEMORY = seconds, WAITING * seconds, MEMORY
     file = Path(where.rpartition(":")[0]).absolute()
     try:
         with parallel_config(backend="sequential"):
