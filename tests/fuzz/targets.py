@@ -18,6 +18,7 @@ from tests.fuzz.plain import plain
 from tests.fuzz.sources import agent_sources
 from tests.fuzz.writers import (
     draw_map,
+    write_board,
     write_drives,
     write_glossary,
     write_house,
@@ -35,6 +36,7 @@ from tutorial_lib.experiments.common.agents import custom
 from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
+from tutorial_lib.experiments.leaderboard import page_of, read_board, text_of
 from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.world.importers import import_map
@@ -50,6 +52,11 @@ def _run_agent(folder: Path) -> Any:
         return checked_actions(component.learn([]), 3).tolist()
 
     return guarded(where, use)
+
+
+def _shown(path: Path) -> tuple[str, str]:
+    board = read_board(path)
+    return text_of(board), page_of(board)
 
 
 def _own_agent(folder: Path) -> None:
@@ -117,6 +124,7 @@ def targets() -> list[Target]:
         ),
         Target("checkpoint", trained.save, trained.load, (".pt",)),
         Target("results", write_result, lambda folder: plain(load_result("table", folder))),
+        Target("leaderboard", write_board, lambda folder: _shown(folder / "board.json")),
         Target("notebook", write_notebook, lambda folder: plain(progress(folder))),
         Target("glossary", write_glossary, lambda folder: plain(read_glossary(folder))),
         Target("agent", _own_agent, _run_agent),

@@ -14,6 +14,7 @@ from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, save_outcomes
 from tutorial_lib.driving.data.trajectories import save_trajectories
 from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.leaderboard import Entry, text_of
 from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.world.plan_json import save_plan
 
@@ -103,6 +104,17 @@ def write_result(folder: Path) -> None:
     rows = [{"method": name, "trials": 40, "success": 0.5, "low": None} for name in ("a", "b")]
     report = Report("table", 0, (1, 2), False, 1.5, rows, ("a note",)).as_dict()
     (folder / "table.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+
+
+def write_board(folder: Path) -> None:
+    row = {"condition": "clean", "success": 0.5, "low": 0.25, "high": None}
+    run = {"experiment": "meng_table1", "quick": True, "worlds": (20_000,)}
+    entries = [
+        Entry(seam="controller", name="mine.py:Mine", sha="0a" * 32, rows=[row], **run),
+        Entry(name="k5", sha="1b" * 32, rows=[row, row], **run),
+        Entry(name="bad.py:Mine", sha="", quick=False, fault="bad.py, line 3: it broke"),
+    ]
+    (folder / "board.json").write_text(text_of(entries), encoding="utf-8")
 
 
 def write_notebook(folder: Path) -> None:

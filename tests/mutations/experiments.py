@@ -269,4 +269,18 @@ MUTATIONS = [
         'difference(values, columns["nts"][name][:count].ravel(), repeated)',
         "experiments/nts/test_comparisons.py -k fig8_subtracts",
     ),
+    (
+        "references of another run stand beside a class",
+        "experiments/leaderboard.py",
+        'one.seam in ("", seam) and one.run == (*run,)',
+        'one.seam in ("", seam)',
+        "experiments/test_leaderboard.py -k ranks_own",
+    ),
+    (
+        "the worst stands first",
+        "experiments/leaderboard.py",
+        "key=lambda one: -one.score",
+        "key=lambda one: one.score",
+        "experiments/test_leaderboard.py -k ranks_own",
+    ),
 ]

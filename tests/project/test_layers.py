@@ -22,7 +22,7 @@ LAYERS = (
     ("agents",),
     ("viz",),
     ("experiments", "checks"),
-    ("cli", "commands", "builder", "__main__"),
+    ("cli", "commands", "builder", "templates", "__main__"),
 )
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 DRAWING = {"matplotlib", "ipywidgets", "IPython", "PIL"}
@@ -58,6 +58,7 @@ INSIDE = {
         **{study: {"common", "protocols"} for study in STUDIES},
         "demos": {"common", "protocols", "race"},
         "registry": {"common", "protocols", *STUDIES},
+        "leaderboard": {"common", *STUDIES},
         "provenance": {"common", "registry"},
         "results_page": {"common", "protocols", "provenance", *STUDIES},
     },

@@ -105,8 +105,10 @@ def test_the_wheel_holds_the_course_and_says_what_it_is(wheel):
         (meta,) = [name for name in names if name.endswith(".dist-info/METADATA")]
         metadata = message_from_bytes(archive.read(meta))
     assert "tutorial_lib/py.typed" in names
-    templates = (PROJECT / "tutorial_lib" / "results" / "page").glob("*.md.j2")
-    assert {f"tutorial_lib/results/page/{file.name}" for file in templates} <= set(names)
+    for folder, pattern in (("results/page", "*.j2"), ("templates", "*.py")):
+        files = list((PROJECT / "tutorial_lib" / folder).glob(pattern))
+        assert len(files) > 5
+        assert {f"tutorial_lib/{folder}/{file.name}" for file in files} <= set(names)
     assert not any(name.startswith(("tests", "notebooks", "solutions", "build")) for name in names)
     assert metadata["Version"] == tutorial_lib.__version__
     assert metadata["License-Expression"] == "MIT"

@@ -34,6 +34,9 @@ Function = Callable[..., Any]
 class TimeUp(BaseException):
     """The time is up. No `Exception`, so that a student's ``except Exception`` lets it pass."""
 
+    def __str__(self) -> str:
+        return f"not done after {SECONDS:g} seconds; does a loop never end?"
+
 
 def limited(judge: Callable[[Any], Any], student: Any) -> Any:  # noqa: ANN401
     """What a judge says of a student's function, or file, within `SECONDS`, `WAITING` and `MEMORY`.

@@ -46,10 +46,12 @@ class Settings:
     Attributes:
         episodes: in each generated world.
         map_episodes: in the world of a map's file.
+        controllers: by the names of their rows; all of them if None.
     """
 
     episodes: int = 100
     map_episodes: int = 200
+    controllers: tuple[str, ...] | None = None
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
@@ -63,7 +65,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
         places, count = [options.map], settings.map_episodes
     if options.agent:  # a faulty one is refused before any rollout
         custom(options.agent)
-    parts = for_each(run_world, places, count, options, label="meng_table1")
+    given = places, count, options, settings.controllers
+    parts = for_each(run_world, *given, label="meng_table1")
     faults = [fault for _, fault in parts if fault]
     results = _joined([found for found, _ in parts])
     if faults:
@@ -71,16 +74,23 @@ def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
     return [_row(results, *key) for key in results], (*_notes(results), *faults[:1])
 
 
-def run_world(place: Any, count: int, options: Options) -> tuple[Results, Fault | None]:  # noqa: ANN401
+def run_world(
+    place: Any,  # noqa: ANN401
+    count: int,
+    options: Options,
+    names: tuple[str, ...] | None = None,
+) -> tuple[Results, Fault | None]:
     """Run every controller under every condition in one world; also how the user's own failed.
 
     Args:
         place: seed of a generated world, or a map's file.
         count: episodes.
         options: have the seed of trajectories, episodes and noise.
+        names: of the controllers; all of them if None.
     """
     found: Results = {}
-    factories = controllers(seeds_of(place, options.seed))
+    known = controllers(seeds_of(place, options.seed))
+    factories = {name: known[name] for name in (known if names is None else names)}
     given, fault = (place, count, options.seed, options.family, options.region), None
     for name, condition in conditions(*given).items():
         if options.agent and fault is None:

@@ -61,6 +61,7 @@ class Settings:
         trials: in each building.
         trials_of_part: in each building, where a part of the drives is learned.
         thresholds: by `--drives`, chosen on validation worlds; the usual ones for others.
+        methods: of `METHODS`, beside the user's own.
     """
 
     places: int = PLACES
@@ -68,6 +69,7 @@ class Settings:
     trials: int = 200
     trials_of_part: int = 60
     thresholds: Mapping[str, Thresholds] = field(default_factory=lambda: CHOSEN)
+    methods: tuple[str, ...] = METHODS
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +144,8 @@ def _together(
     count = settings.trials_of_part if options.drives else settings.trials
     trials = chosen_trials(whole, count, rng, options.starts, options.goals)
     building = part_of(whole, options.drives, options.seed)
-    methods = [CUSTOM, *METHODS] if options.agent else METHODS  # a fault is said soon
+    own = (CUSTOM,) if options.agent else ()  # a fault is said soon
+    methods = (*own, *settings.methods)
     drives = TOUR if options.drives == CONTINUOUS else options.drives
     limits = settings.thresholds.get(drives, Thresholds())
     given = (
@@ -224,7 +227,7 @@ def _notes(parts: Sequence[InWorld], drives: str) -> list[str]:
             f"driven: {1 - composed.mean():.1%} of the trials have a recorded drive past their "
             "start and then their goal; composing drives is hardly tested (--drives)"
         )
-    for name in ("meng", "sptm"):
+    for name in [one for one in ("meng", "sptm") if one in success]:
         edges, holes = (
             sum(getattr(part.results[name], what) for part in parts)
             for what in ("edges", "wormholes")
@@ -242,7 +245,7 @@ def _compared(
     for name, values in success.items():
         share, low, high = over_worlds(values[kept], world)
         notes.append(f"{name}, {which}: {share:.1%} ({low:.1%} to {high:.1%})")
-    for name in [other for other in success if other != "meng"]:
+    for name in [other for other in success if other != "meng"] if "meng" in success else []:
         found = difference(success["meng"][kept], success[name][kept], world)
         notes.append(f"meng - {name}{part}: {in_points(found)}")
     return notes
