@@ -85,7 +85,7 @@ class OneImage(gymnasium.ObservationWrapper):
         return both.repeat(self._repeats, axis=0)
 
 
-def for_baselines(many: gymnasium.vector.VectorEnv, rows: int = 4, columns: int = 32) -> Any:  # noqa: ANN401
+def for_baselines(many: Any, rows: int = 4, columns: int = 32) -> Any:  # noqa: ANN401
     """Many episodes in lock-step as Stable-Baselines3 has them, with the parts of `FlatViews`.
 
     Its `info` has what the loggers of Stable-Baselines3 ask for: "episode" and "is_success".
@@ -101,7 +101,7 @@ def for_baselines(many: gymnasium.vector.VectorEnv, rows: int = 4, columns: int 
     Raises:
         ImportError: without Stable-Baselines3, which is in the extra `rl`.
     """
-    many = with_methods("many", many, "restart", "step", "reset")
+    with_methods("many", many, "restart", "step", "reset")
     cut = _Cut(_images_of("many", many.single_observation_space), rows, columns)
     from stable_baselines3.common.vec_env import VecEnv
 
@@ -163,7 +163,7 @@ class _Cut:
         space: of what is left.
     """
 
-    def __init__(self, parts: spaces.Dict, rows: int, columns: int) -> None:
+    def __init__(self, parts: dict[str, spaces.Box], rows: int, columns: int) -> None:
         height, width, _ = parts["image"].shape
         self._rows = _divisor("rows", rows, height)
         self._columns = _divisor("columns", columns, width)
@@ -201,9 +201,9 @@ def _divisor(name: str, value: int, length: int) -> int:
     return value
 
 
-def _images_of(name: str, found: spaces.Space) -> spaces.Dict:
+def _images_of(name: str, found: spaces.Space) -> dict[str, spaces.Box]:
     """What is observed, where that is a view and the goal's."""
     if not isinstance(found, spaces.Dict) or not {"image", "goal_image"} <= found.keys():
         kind = type(found).__name__
         raise InputError(f"{name}: it observes a {kind}; give one with image and goal_image")
-    return found
+    return {part: box for part, box in found.items() if isinstance(box, spaces.Box)}

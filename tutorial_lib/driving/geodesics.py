@@ -301,8 +301,8 @@ def _nearest(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _spread(
     start: int,
-    first: NDArray[np.int32],
-    other: NDArray[np.int32],
+    first: NDArray[np.integer],
+    other: NDArray[np.integer],
     length: Array,
     width: float,
     metres: Array,
