@@ -173,6 +173,7 @@ def test_boards_are_merged_in_any_order_and_a_damaged_one_changes_nothing(
         assert wrong in capsys.readouterr().err
     assert main([*merge, "a.json", "--board", "bad.json"]) == 2
     assert main([*merge, "a.json", "--page", "none/page.html"]) == 2
+    assert main([*merge, "a.json", "--page", "leaderboard.json"]) == 2
     assert (tmp_path / "leaderboard.json").read_bytes() == before
     assert (tmp_path / "bad.json").read_text() == "{}"
     assert not list(tmp_path.glob(".*"))

@@ -61,6 +61,8 @@ def run(options: argparse.Namespace) -> int:
     if options.template:
         print((FOLDER / f"{options.template}.py").read_text(encoding="utf-8"), end="")
         return 0
+    if options.page.resolve() == options.board.resolve():
+        raise InputError(f"--page: {options.page} is the board itself; give another file")
     for path in (options.board, options.page):
         check_writable(path)
     board = _add(options, [entry for path in options.merge for entry in read_board(path)])
