@@ -220,6 +220,7 @@ class GridPaths:
         graph, width = self._geodesic, _WIDTH * self.resolution
         found = np.empty((len(goals), len(self.points)))
         for goal, node, gap, metres in zip(goals, nodes, gaps, found, strict=True):
+            # pyrefly: ignore[bad-argument-type]: scipy's indices are int32 here
             _spread(node, graph.indptr, graph.indices, graph.data, width, metres)
             beside = np.flatnonzero(metres < 1.5 * self.resolution)
             metres += gap
@@ -301,8 +302,8 @@ def _nearest(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _spread(
     start: int,
-    first: NDArray[np.integer],
-    other: NDArray[np.integer],
+    first: NDArray[np.int32],
+    other: NDArray[np.int32],
     length: Array,
     width: float,
     metres: Array,
