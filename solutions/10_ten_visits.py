@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
+from IPython import get_ipython
 from IPython.display import display
 
 from tutorial_lib.agents.forgetting import Forgetting
@@ -151,6 +152,7 @@ display(memory)
 # ## 1 · One life
 #
 # Here's your robot's first life in your flat, with its map kept. Dark dots are its nodes, drawn **where it thinks they are**, as seen from where it stands. After one visit, they're where they should be.
+
 
 # %% hidden=true
 # Two robots live: one keeps its map, the other forgets (about 20 s)
@@ -326,7 +328,9 @@ def wrongly(node, seen, pose):
 def hill(node, seen, pose, side=262):
     """The fit at all places within a metre, the darker the better."""
     steps = np.linspace(-1, 1, 41)
-    poses = pose + np.stack([*np.meshgrid(steps, steps, indexing="ij"), 0 * steps[:, None] + 0 * steps], axis=-1).reshape(-1, 3)
+    poses = pose + np.stack(
+        [*np.meshgrid(steps, steps, indexing="ij"), 0 * steps[:, None] + 0 * steps], axis=-1
+    ).reshape(-1, 3)
     fits = fit(node, seen, poses).reshape(41, 41)[::-1, ::-1]
     shade = np.clip(fits, 0, 1)[..., None]
     mixed = (1 - shade) * np.array(colours.PAPER) + shade * np.array(colours.ROBOT)
@@ -418,7 +422,10 @@ rows = [
     ["by odometry", *errors[:, 0].mean(axis=0), errors[:, 0, 0].max()],
     ["by your match", *errors[:, 1].mean(axis=0), errors[:, 1, 0].max()],
 ]
-table({"20 places of your flat": "", "metres off": ".2f", "degrees off": ".1f", "worst, m": ".2f"}, rows)
+table(
+    {"20 places of your flat": "", "metres off": ".2f", "degrees off": ".1f", "worst, m": ".2f"},
+    rows,
+)
 
 # %% [markdown]
 # ## 3 · What to believe
@@ -447,8 +454,22 @@ for i in range(12):
     pose = check_match.reference(node, seen, np.zeros(3))
     strange.append([fit(node, seen, pose[None])[0], fit(node, seen, ring_of(pose)).max()])
 strange = np.array(strange)
-rows.append(["another room", strange[:, 0].min(), strange[:, 0].max(), strange[:, 1].min(), strange[:, 1].max()])
-head = {"match": "", "fit, from": ".2f", "to": ".2f", "half a metre aside, from": ".2f", "to ": ".2f"}
+rows.append(
+    [
+        "another room",
+        strange[:, 0].min(),
+        strange[:, 0].max(),
+        strange[:, 1].min(),
+        strange[:, 1].max(),
+    ]
+)
+head = {
+    "match": "",
+    "fit, from": ".2f",
+    "to": ".2f",
+    "half a metre aside, from": ".2f",
+    "to ": ".2f",
+}
 table(head, rows)
 
 # %% [markdown]
@@ -521,6 +542,7 @@ correct = check_correct.use(correct)
 #
 # Now your three functions move in. A wrapper keeps a scan every metre of the way. Each half metre it asks the nearest ones: `match`, then `accept`, then `correct`. The robot inside is still yesterday's, and knows nothing of it: **it just gets odometry that doesn't drift.**
 
+
 # %% hidden=true
 # The robot with your three functions (about 15 s)
 class Walls:
@@ -590,9 +612,7 @@ closed.noting.note()
 # %% hidden=true
 # An office as well: kept, forgets (about 10 s)
 kept_office, _ = run(office, lambda task: NTSAgent(model, np.random.default_rng(0)))
-forgot_office, _ = run(
-    office, lambda task: Forgetting(NTSAgent(model, np.random.default_rng(0)))
-)
+forgot_office, _ = run(office, lambda task: Forgetting(NTSAgent(model, np.random.default_rng(0))))
 
 # %% hidden=true
 # And your robot in the office
@@ -637,7 +657,12 @@ before, after = noting.notes[-1], closed.noting.notes[-1]
 noting.notes[-1] = after
 with_walls = map_picture(VISITS)
 noting.notes[-1] = before
-show(side_by_side([shots[VISITS], with_walls], ["After visit 10, by odometry", "With your three functions"]))
+show(
+    side_by_side(
+        [shots[VISITS], with_walls],
+        ["After visit 10, by odometry", f"{robot_name()} with your functions"],
+    )
+)
 
 # %% [markdown]
 # These are three lives and nine goals a bar: enough to see that it works, too few for a number. On [thirty lives in ten test buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits) the library's way of closing loops, at the nodes, turns the last three visits from worst to nearly best.
@@ -729,8 +754,7 @@ table(head, rows, best, "ninety goals in each column but the last, which has 12 
 # %%
 import numpy as np
 
-from tutorial_lib.agents import FrontierAgent, LifelongAgent, LifelongSettings, NTSAgent, NTSSettings
-from tutorial_lib.agents.scan_corrected import ScanCorrected
+from tutorial_lib.agents import NTSAgent, NTSSettings
 from tutorial_lib.learning.exploration_model import LearnedExploration
 
 
@@ -746,8 +770,6 @@ class MyRobot(NTSAgent):
         return super()._worth(robot)
 
 
-NAME, FILE = "MyRobot", In[-1]
-
 # %% hidden=true
 # Your robot lives (about 15 s), and its file is kept
 def summary(lives):
@@ -758,10 +780,11 @@ def summary(lives):
 
 
 mine = [run(lives, lambda task: MyRobot())[0] for lives in (home, office)]
+cells = get_ipython().user_ns["In"]
 where = my_answers.folder() and my_answers.folder() / "my_robot.py"
 if where:
     where.parent.mkdir(exist_ok=True)
-    where.write_text(FILE.partition("\nNAME")[0] + "\n", encoding="utf-8")
+    where.write_text(next(c for c in reversed(cells) if "\nclass MyRobot" in c), encoding="utf-8")
     print(f"kept in {where}")
 
 # %% hidden=true
@@ -769,7 +792,7 @@ if where:
 to_beat = {name: summary(lives) for name, (lives, _) in ROBOTS.items()}
 head = {"found, of 30": ".0f", "of the last 9": ".0f", "100 SPL": ".1f"}
 league = League("10", head, to_beat)
-display(league.enter(NAME, summary(mine)))
+display(league.enter("MyRobot", summary(mine)))
 
 # %% [markdown]
 # <details><summary>Two good robots, quite different; enter yours first</summary>

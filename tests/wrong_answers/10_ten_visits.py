@@ -63,7 +63,7 @@ def match__right_by_closest_points(node, seen, guess):
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     best, most = guess, -1.0
     for turn in (-0.2, 0.0, 0.2):
-        pose = guess + [0, 0, turn]
+        pose = guess + np.array([0, 0, turn])
         for reach in np.geomspace(0.9, 0.1, 25):
             moved = to_world(pose, points)
             gaps = np.linalg.norm(moved[:, None] - walls, axis=2)

@@ -65,7 +65,8 @@ def _turned(case: Case, turn: float) -> Case:
     beams = len(seen)
     steps = round((turn - pose[2]) * beams / (2 * np.pi))
     by = steps * 2 * np.pi / beams
-    return node, np.roll(seen, steps), guess + [0, 0, by], pose + [0, 0, by]
+    more = np.array([0.0, 0.0, by])
+    return node, np.roll(seen, steps), guess + more, pose + more
 
 
 _ROOM = _matched("a room with a cupboard", (2.0, 1.5, 0.3), (2.8, 2.0, 0.9), 0.3, -0.2, 8)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,7 @@ BEAMS = 192
 
 def walls_of(*outlines: list[tuple[float, float]]) -> Array:
     """Segments (S, 4) of open lines through corners."""
-    pairs = [(a, b) for line in outlines for a, b in zip(line, line[1:], strict=False)]
+    pairs = [(a, b) for line in outlines for a, b in pairwise(line)]
     return np.array([(*a, *b) for a, b in pairs], float)
 
 
