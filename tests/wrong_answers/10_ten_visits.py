@@ -44,7 +44,7 @@ def match__right_in_the_robot_s_frame(node, seen, guess):
 
 def match__right_from_the_best_of_many_starts(node, seen, guess):
     starts = guess + _grid((3, 3, 3), (0.18, 0.18, 6 * DEGREES))
-    order = np.argsort(-fit(node, seen, starts))[:5]
+    order = np.argsort(-fit(node, seen, starts))[:2]
     ends = [
         minimize(lambda pose: -fit(node, seen, pose[None])[0], starts[i], method="Nelder-Mead").x
         for i in order
@@ -62,9 +62,9 @@ def match__right_by_closest_points(node, seen, guess):
     walls, along = walls[real], along[real] / np.linalg.norm(along[real], axis=1)[:, None]
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     best, most = guess, -1.0
-    for turn in (-0.2, 0.0, 0.2):
+    for turn in (-0.1, 0.1):
         pose = guess + np.array([0, 0, turn])
-        for reach in np.geomspace(0.9, 0.1, 25):
+        for reach in np.geomspace(0.9, 0.1, 12):
             moved = to_world(pose, points)
             gaps = np.linalg.norm(moved[:, None] - walls, axis=2)
             near = gaps.argmin(axis=1)
@@ -312,30 +312,6 @@ def accept__along_x(node, seen, guess, pose):
     """in every direction, not along x alone"""
     near, here, _ = _parts(node, seen, guess, pose)
     around = fit(node, seen, pose + np.array([[0.5, 0, 0], [-0.5, 0, 0]]))
-    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__all_around(node, seen, guess, pose):
-    """a corridor slides one way only"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(all(near) and here >= 0.75 and around.min() < here - 0.1)
-
-
-def accept__mean_around(node, seen, guess, pose):
-    """the best of the poses around, not their mean"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(all(near) and here >= 0.75 and around.mean() < here - 0.1)
-
-
-def accept__tiny_ring(node, seen, guess, pose):
-    """so near by"""
-    near, here, around = _parts(node, seen, guess, pose, 0.02)
-    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__far_ring(node, seen, guess, pose):
-    """a cupboard's length"""
-    near, here, around = _parts(node, seen, guess, pose, 3.0)
     return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
 
 

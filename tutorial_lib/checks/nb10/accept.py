@@ -42,8 +42,8 @@ def _matched(room: str, node: tuple[float, ...], there: tuple[float, ...], *off:
 def _elsewhere(room: str, other: str, node: tuple[float, ...], there: tuple[float, ...]) -> Case:
     """The best match of scans of two rooms."""
     scans = scan(room, np.array(node)), scan(other, np.array(there))
-    guess = np.array([0.4, -0.3, 0.2])
-    return *scans, guess, match(*scans, guess)
+    pose = match(*scans, np.array([0.4, -0.3, 0.2]))
+    return *scans, pose + np.array([0.1, 0.1, 0.05]), pose
 
 
 def _moved(case: Case, x: float, y: float, degrees: float) -> Case:
@@ -65,8 +65,11 @@ def _turned(case: Case, turn: float) -> Case:
     beams = len(seen)
     steps = round((turn - pose[2]) * beams / (2 * np.pi))
     by = steps * 2 * np.pi / beams
-    more = np.array([0.0, 0.0, by])
-    return node, np.roll(seen, steps), guess + more, pose + more
+    return (
+        node,
+        np.roll(seen, steps),
+        *(np.array([*one[:2], wrap(one[2] + by)]) for one in (guess, pose)),
+    )
 
 
 _ROOM = _matched("a room with a cupboard", (2.0, 1.5, 0.3), (2.8, 2.0, 0.9), 0.3, -0.2, 8)
@@ -101,6 +104,7 @@ CASES: dict[str, tuple[Any, ...]] = {
     "a match 22 degrees beside the odometry": _moved(_ROOM, 0.1, 0.0, 22),
     "headings of nearly 180 degrees, on either side": _turned(_moved(_ROOM, 0.1, 0, 12), 3.1),
     "headings of nearly -180 degrees": _turned(_moved(_SMALL, 0.1, 0, -10), -3.1),
+    "odometry that was right": (*_ROOM[:2], _ROOM[3] + np.array([0.01, 0.0, 0.01]), _ROOM[3]),
     "a robot that looks back": _turned(_CORNER, 2.4),
     "a robot that is far from the node": _FAR,
     "a bare corridor across the node": _across(np.pi / 2),
@@ -112,6 +116,12 @@ CASES: dict[str, tuple[Any, ...]] = {
     "two rooms alike in one corner": _elsewhere(
         "a room with a corner", "a wide hall", (1.5, 1.2, 0.0), (1.5, 1.2, 0.0)
     ),
+    "another room, from a robot that looks aside": _elsewhere(
+        "a room with a cupboard", "a small room", (2.0, 1.5, 0.3), (1.2, 1.3, 1.5)
+    ),
+    "a room that shares two walls": _elsewhere(
+        "a room with a cupboard", "a square room", (2.0, 1.5, 0.3), (2.0, 1.6, 0.0)
+    ),
     "a small room and a square one": _elsewhere(
         "a small room", "a square room", (1.3, 1.2, 0.0), (1.6, 1.2, 0.0)
     ),
@@ -121,33 +131,25 @@ one that believes nothing never corrects: a good match is refused
     bool(near and here >= 0.75 and around.max() < here - 0.1) -> False
 you believe it whatever the scans say
     bool(near and here >= 0.75 and around.max() < here - 0.1) -> True
-a corridor slides: half a metre on, the scans fit just as well
-    and around.max() < here - 0.1 ->
+a corridor slides: half a metre on, one way, the scans fit just as well
+    and around.max() < here - 0.1 -> and True
 another room may be the best match that there is, and fit badly: look at the fit itself
-    and here >= 0.75 ->
+    and here >= 0.75 -> and True
 odometry is never that wrong: a match beyond 1 m or 30 degrees of the guess is another place
     near = -> near = True or
 compare headings, too: odometry is never more than 30 degrees wrong
-    and abs(wrap(gap[2])) <= np.deg2rad(30.0) ->
+    and abs(wrap(gap[2])) <= np.deg2rad(30.0) -> and True
 compare places, too: odometry is never more than 1 m wrong
-    np.hypot(gap[0], gap[1]) <= 1.0 and ->
+    np.hypot(gap[0], gap[1]) <= 1.0 and -> True and
 headings of 179 and -179 degrees are 2 degrees apart: wrap the difference
     gap = relative(guess, pose) -> gap = pose - guess
     abs(wrap(gap[2])) -> abs(gap[2])
 measure from the guess, not from the node: the robot may be far from the node
     gap = relative(guess, pose) -> gap = pose
 it may slide in every direction, not along x alone
-    np.sin(bearings) -> 0 * bearings
+    np.arange(8) * np.pi / 4 -> np.arange(2) * np.pi
 it may slide in every direction, not along y alone
-    np.cos(bearings) -> 0 * bearings
-a corridor slides one way only, along it: one direction that fits nearly as well is enough
-    around.max() -> around.min()
-it's the best of the poses around, not their mean, that must fit worse
-    around.max() -> around.mean()
-every pose fits nearly as well so near by: look half a metre off
-    0.5 * np.stack -> 0.02 * np.stack
-look half a metre off; 3 m away is another room, and a cupboard's length slides unnoticed
-    0.5 * np.stack -> 3.0 * np.stack
+    np.arange(8) * np.pi / 4 -> np.pi / 2 + np.arange(2) * np.pi
 0.4 is no fit: a wrong room gets that, too
     here >= 0.75 -> here >= 0.4
 nothing fits to 0.97: something is always hidden from one of the two
