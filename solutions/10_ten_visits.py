@@ -224,17 +224,16 @@ show(side_by_side([shots[1]], ["After visit 1: the map is nearly right"]))
 # %% hidden=true
 # How far is the compass off after ten visits?
 turned = {visit: abs(noting.notes[visit - 1][4]) for visit in (1, 4, VISITS)}
-right = "A" if turned[VISITS] < 45 else "B" if turned[VISITS] < 75 else "C"
 names = {visit: f"Visit {visit}: heading off by {turned[visit]:.0f}°" for visit in shots}
 compass = Prediction(
     "10",
     "compass",
     "After visit 10, by how much will its heading be off?",
     {"A": "hardly more than after visit 4", "B": "about 60°", "C": "far more than 60°"},
-    right=right,
+    right="C",
     robot=f"its heading is off by {turned[VISITS]:.0f}°, and half of its nodes by more than "
     f"{off_by(VISITS):.1f} m. Its wheels turn a little more to one side, and nothing ever takes that back.",
-    tempting="A" if right != "A" else "C",
+    tempting="A",
     because="random errors cancel in part. But this one is mainly a bias: every left turn adds 0.2°.",
     before=side_by_side([shots[1], shots[4]], [names[1], names[4]]),
     after=side_by_side(list(shots.values()), list(names.values()), height=340),
