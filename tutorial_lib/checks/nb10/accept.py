@@ -15,7 +15,7 @@ from tutorial_lib.checks.nb10.fits import fit
 from tutorial_lib.checks.nb10.match import match
 from tutorial_lib.checks.nb10.small_rooms import scan
 from tutorial_lib.geometry import Array
-from tutorial_lib.se2 import relative, wrap
+from tutorial_lib.se2 import compose, relative, wrap
 
 
 def accept(node: NDArray, seen: NDArray, guess: Array, pose: Array) -> bool:
@@ -50,6 +50,12 @@ def _moved(case: Case, x: float, y: float, degrees: float) -> Case:
     """A match, with a guess that is as far off."""
     node, seen, _, pose = case
     return node, seen, pose + np.array([x, y, np.deg2rad(degrees)]), pose
+
+
+def _drifted(case: Case, x: float, y: float) -> Case:
+    """A match, and odometry from which it lies as far ahead and to the left."""
+    node, seen, _, pose = case
+    return node, seen, compose(pose, np.array([-x, -y, 0.0])), pose
 
 
 def _wrong(case: Case, x: float, y: float, degrees: float) -> Case:
@@ -98,6 +104,8 @@ CASES: dict[str, tuple[Any, ...]] = {
     "a heading beside the right one": _wrong(_CORNER, 0.0, 0.0, 25),
     "a match 2 m from where odometry says": _moved(_ROOM, 1.6, -1.2, 5),
     "a match 1.4 m from where odometry says": _moved(_CORNER, -1.0, 1.0, -5),
+    "a match 1.5 m ahead of where odometry says": _drifted(_ROOM, 1.5, 0.0),
+    "a match 1.5 m beside where odometry says": _drifted(_SMALL, 0.0, 1.5),
     "a match that looks the other way": _moved(_SMALL, 0.1, 0.1, 180),
     "a match 60 degrees beside the odometry": _moved(_DOORS, 0.0, 0.2, -60),
     "a match 0.8 m from where odometry says": _moved(_CORNER, 0.6, 0.5, 0),
