@@ -70,6 +70,8 @@ def test_a_point_out_of_sight_is_no_contradiction_and_one_before_a_wall_is():
     assert fit(room, before, np.zeros((1, 3)))[0] < 0.1
     half = np.where(np.arange(192) < 96, 3.0, 6.0)
     assert fit(room, half, np.zeros((1, 3)))[0] < 0.6
+    node, seen, _, pose = MATCHES["a robot that is far from the node"]  # round a corner
+    assert fit(node, seen, pose[None])[0] > 0.9
     assert fit(np.full(192, np.inf), room, np.zeros((1, 3)))[0] == 0.0
 
 
