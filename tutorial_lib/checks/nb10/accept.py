@@ -71,11 +71,8 @@ def _turned(case: Case, turn: float) -> Case:
     beams = len(seen)
     steps = round((turn - pose[2]) * beams / (2 * np.pi))
     by = steps * 2 * np.pi / beams
-    return (
-        node,
-        np.roll(seen, steps),
-        *(np.array([*one[:2], wrap(one[2] + by)]) for one in (guess, pose)),
-    )
+    ends = [np.array([*one[:2], wrap(one[2] + by)]) for one in (guess, pose)]
+    return node, np.roll(seen, steps), ends[0], ends[1]
 
 
 _ROOM = _matched("a room with a cupboard", (2.0, 1.5, 0.3), (2.8, 2.0, 0.9), 0.3, -0.2, 8)
