@@ -374,7 +374,7 @@ display(slides)
 #
 # Odometry gives a guess of the robot's pose in the node's frame. It's at most 0.5 m and 15° off. Find the pose near it that fits best, to 0.1 m and 3°.
 #
-# Trying everything in steps of 5 cm and 1° would be 13,000 poses. Your robot matches about a thousand times in its life, so you've got about a thousand poses each time. How do you get up the hill? There's more than one way.
+# Trying everything in steps of 5 cm and 1° would be 13,000 poses. Your robot matches hundreds of times in its life; about a thousand poses each time is what you can afford. How do you get up the hill? There's more than one way.
 #
 # <details><summary>Hint 1: concept</summary>The hill is wide enough to be seen from 0.15 m and 5° beside its top. So look coarsely first, then again around the best so far, more finely.</details>
 # <details><summary>Hint 2: approach</summary>Five steps in each of x, y and heading are 125 poses: np.meshgrid or three loops make them. Take the best with argmax, halve the steps, and repeat a few times. What you try first must reach 0.5 m and 15°; the last steps must be finer than 0.1 m and 3°.</details>
@@ -435,13 +435,13 @@ table(
 # - **Does it slide?** If half a metre aside, in any direction, it fits nearly as well, the match says nothing.
 # - **Is it near the guess?** Odometry is never more than **1 m or 30°** wrong since the last match.
 #
-# Here are the fits at such matches: in their own room, in corridors, and between rooms. Where would you draw the lines?
+# Here are fits of matches: in the right room, in corridors, and between two rooms. Where would you draw the lines?
 
 # %% hidden=true
 # Fits at matches: here, and the best half a metre aside
 rows = []
 for title, some in (
-    ("a room of its own", [pairs[i] for i in order[:12]]),
+    ("the right room", [pairs[i] for i in order[:12]]),
     ("a corridor that slides", [pairs[i] for i in order[-3:]]),
 ):
     at = np.array([fit(n, s, p[None])[0] for n, s, p in some])
@@ -787,7 +787,7 @@ display(league.enter("MyRobot", summary(mine)))
 
 # %% [markdown]
 # <details><summary>Two good robots, quite different; enter yours first</summary>
-# <i>Count the metres, and remember every look.</i> <code>class MyRobot(LifelongAgent)</code> with its settings as they are (<code>travel=0.02</code>). <i>No ghosts at all.</i> <code>ScanCorrected(FrontierAgent(eyes, recalls=True))</code>: frontiers of a metric map, pictures kept, walls around it. When we tried them, both got about 65 on this life, twice what the first robot gets, and neither beat section 4's. On the race's thirty lives, both kinds do better than NTS with loops closed. So much for one life.
+# <i>Count the metres, and remember every look.</i> <code>class MyRobot(LifelongAgent)</code> with its settings as they are (<code>travel=0.02</code>). <i>No ghosts at all.</i> <code>ScanCorrected(FrontierAgent(eyes, recalls=True))</code>: frontiers of a metric map, pictures kept, walls around it. When we tried them, both got twice the first robot's score on this life, and neither beat section 4's. So much for one life: on thirty, the combined robot and a frontier robot with walls lead the race.
 # </details>
 #
 # One life is an anecdote. For a row in the real race, on thirty lives in ten buildings:
