@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07, nb08, nb09
+from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07, nb08, nb09, nb10
 from tutorial_lib.checks.framework import guard
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import Check, WrongAnswer, check
@@ -22,6 +22,7 @@ NOTEBOOKS = {
     "07_aliasing": nb07,
     "08_lifelong_maps": nb08,
     "09_ghost_nodes": nb09,
+    "10_ten_visits": nb10,
 }
 
 

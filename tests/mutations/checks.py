@@ -128,4 +128,25 @@ MUTATIONS = [
         "if False:",
         "checks/test_nb09.py -k wrong_with_a_call",
     ),
+    (
+        "a point out of sight counts against a pose",
+        "checks/nb10/fits.py",
+        "if off > _HIDDEN:",
+        "if False:",
+        "checks/test_nb10.py -k out_of_sight",
+    ),
+    (
+        "scans fit as soon as one of both says so",
+        "checks/nb10/fits.py",
+        "return np.minimum(there, ",
+        "return np.maximum(there, ",
+        "checks/test_nb10.py -k out_of_sight",
+    ),
+    (
+        "no headings lie on either side of 180 degrees",
+        "checks/nb10/accept.py",
+        "wrap(one[2] + by)",
+        "one[2] + by",
+        f"{TESTS} -k 'wrong_answers_fail and not_wrapped'",
+    ),
 ]

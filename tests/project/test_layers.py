@@ -37,7 +37,7 @@ SEPARATE = {
 
 LOOP = {"geodesics", "metrics", "rollouts"}
 STUDIES = ("meng2020", "nts", "ltvn", "race", "robustness", "benchmarks", "demos")
-NOTEBOOKS = [f"nb{number:02}" for number in range(10)]
+NOTEBOOKS = [f"nb{number:02}" for number in range(11)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
     "topology": {

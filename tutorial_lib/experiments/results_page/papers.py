@@ -22,6 +22,7 @@ NOTEBOOKS = {
     "07": "07_aliasing",
     "08": "08_lifelong_maps",
     "09": "09_ghost_nodes",
+    "10": "10_ten_visits",
 }
 
 
