@@ -3,7 +3,7 @@
 #
 # **The photo on the fridge.** You've moved into a flat, and a robot car with a camera lives there. On the fridge hangs a photo, with a note: *take me here*. You have the floor plan. The robot has the photo. *Where was it taken?*
 #
-# In a minute it'll drive there, once, by magic. Then the magic's off, and in nine notebooks you'll build it yourself.
+# In a minute it'll drive there, once, by magic. Then the magic's off, and in ten notebooks you'll build it yourself.
 #
 # **Ten minutes, and no code to write.** Click into the first cell, which checks your installation, and press *Shift + Enter*, again and again. Most code is folded; click the three dots to read it.
 
