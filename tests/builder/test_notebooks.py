@@ -143,6 +143,22 @@ def test_a_build_executes_once_and_a_rebuild_changes_nothing(project):
     assert [file.read_bytes() for file in files] == before
 
 
+def test_other_text_is_written_without_executing_the_code_again(project):
+    source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
+    source.write_text(RUNNABLE + "\n# %%\nimport uuid\n\nprint(uuid.uuid4())\n")
+    build(source, project)
+    before = nbformat.read(target, as_version=4)
+    source.write_text(
+        source.read_text().replace(
+            "# %%\nimport uuid", "# %% [markdown]\n# Other words.\n\n# %%\nimport uuid"
+        )
+    )
+    assert target in build(source, project)
+    after = nbformat.read(target, as_version=4)
+    assert "Other words." in str(after.cells)
+    assert after.cells[-1].outputs == before.cells[-1].outputs
+
+
 def test_a_page_has_no_progress_bars(project):
     source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
     source.write_text(RUNNABLE + "\n# %%\nfrom tqdm.auto import tqdm\n\nlist(tqdm(range(3)))\n")

@@ -59,12 +59,16 @@ def build(source: Path, project: Path, *, students_only: bool = False) -> list[P
     solved = read(source, project / "tests" / "wrong_answers" / source.name)
     written = [project / "notebooks" / f"{source.stem}.ipynb"]
     write_text(written[0], to_text(for_students(solved)))
+    if students_only:
+        return written
     target = source.with_suffix(".ipynb")
-    if not students_only and not _is_current(target, solved):
+    before = target.read_text(encoding="utf-8") if target.exists() else ""
+    if not (before and _take_outputs(solved, before)):
         execute(solved, project / "notebooks")
-        text = to_text(solved)
-        if len(text.encode()) > LARGEST:
-            raise InputError(f"{target.name}: {len(text.encode()):,} bytes; show smaller pictures")
+    text = to_text(solved)
+    if len(text.encode()) > LARGEST:
+        raise InputError(f"{target.name}: {len(text.encode()):,} bytes; show smaller pictures")
+    if text != before:
         write_text(target, text)
         written.append(target)
     return written
@@ -221,15 +225,20 @@ def _finish(notebook: NotebookNode, stem: str) -> None:
         cell.id = digest if seen[digest] == 1 else f"{digest}-{seen[digest]}"
 
 
-def _is_current(target: Path, solved: NotebookNode) -> bool:
-    """Whether the solved notebook on disk has this code, and was executed."""
-    if not target.exists():
+def _take_outputs(solved: NotebookNode, page: str) -> bool:
+    """Give a notebook the outputs of its page, if that was executed with this code."""
+    there = NotebookNode(nbformat.reads(page, as_version=4))
+    cells = [cell for cell in solved.cells if cell.cell_type == "code"]
+    ran = [cell for cell in there.cells if cell.cell_type == "code"]
+    if [cell.source for cell in ran] != [unmarked(cell.source) for cell in cells]:
         return False
-    there = NotebookNode(nbformat.read(target, as_version=4))
-    code = [(cell.id, cell.source) for cell in there.cells]
-    if any(is_bar(output) for cell in there.cells for output in cell.get("outputs", ())):
+    if any(is_bar(output) for cell in ran for output in cell.outputs):
         return False
-    return code == [(cell.id, unmarked(cell.source)) for cell in solved.cells]
+    for cell, other in zip(cells, ran, strict=True):
+        cell.source, cell.outputs = other.source, other.outputs
+        cell.execution_count = other.execution_count
+    solved.metadata = there.metadata
+    return True
 
 
 def _check_markers(code: str, name: str, start: int, is_exercise: bool) -> None:
