@@ -235,8 +235,9 @@ def _take_outputs(solved: NotebookNode, page: str) -> bool:
     if any(is_bar(output) for cell in ran for output in cell.outputs):
         return False
     for cell, other in zip(cells, ran, strict=True):
-        cell.source, cell.outputs = other.source, other.outputs
-        cell.execution_count = other.execution_count
+        cell.outputs, cell.execution_count = other.outputs, other.execution_count
+    for cell in solved.cells:
+        cell.source = unmarked(cell.source)
     solved.metadata = there.metadata
     return True
 
