@@ -16,7 +16,6 @@ from tutorial_lib.errors import InputError, one_line
 from tutorial_lib.experiments.common.experiment import Experiment, library_hash
 from tutorial_lib.experiments.common.own import load_own
 from tutorial_lib.experiments.common.report import Fault, Options, Rows, finite
-from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.race import ten_visits
@@ -265,7 +264,7 @@ def page_of(entries: Iterable[Entry]) -> str:
     """A board as a page of HTML that needs no other file."""
     entries = merged(entries)
     environment = Environment(
-        loader=FileSystemLoader(FOLDER / "page"),
+        loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
