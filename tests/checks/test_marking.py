@@ -104,7 +104,7 @@ CASES = {
     "huge": ("x = 1\n" * 1_000_000, "failed", "more than the 4 MB"),
     # ends
     "asks": (f"{RIGHT}\nx = input('pose? ')\n", "failed", f"{RUNS} (EOFError"),
-    "exits": ("import os\nprint('right: 48 of 48 pass')\nos._exit(0)\n", "failed", ENDS),
+    "exits": ("import os\nprint('right: 51 of 51 pass')\nos._exit(0)\n", "failed", ENDS),
     "leaves": ("raise SystemExit(0)\n", "failed", f"{RUNS} (SystemExit"),
     "interrupts": ("def to_local(*a):\n    raise KeyboardInterrupt\n", "failed", STOPS),
     "crashes": ("import ctypes\nctypes.string_at(0)\n", "failed", ENDS),
@@ -159,7 +159,7 @@ CASES = {
         f"{RUNS} (OSError",
     ),
     "escapes": (
-        "def to_local(*a):\n    raise ValueError('\\x1b[2J\\nright: 48 of 48 pass')\n",
+        "def to_local(*a):\n    raise ValueError('\\x1b[2J\\nright: 51 of 51 pass')\n",
         "failed",
         STOPS,
     ),
@@ -229,7 +229,7 @@ def test_a_class_is_marked_whatever_is_in_its_answers(marked, name):
     found = exercise(documents[name])
     assert found["status"] == CASES[name][1], found
     assert CASES[name][2] in found["message"]
-    assert len(documents[name]["exercises"]) == 48
+    assert len(documents[name]["exercises"]) == 51
     assert len(found["printed"]) < 6_000
 
 
@@ -251,9 +251,9 @@ def test_every_line_and_document_is_safe_to_show(marked):
     assert run.returncode == 2
     assert "missing: cannot be read" in run.stderr
     assert run.stdout.count("right: 3 of 26.5 points") == 0
-    assert "right: 1 of 48 pass, 47 not handed in; 3 of 26.5 points" in run.stdout
+    assert "right: 1 of 51 pass, 50 not handed in; 3 of 28 points" in run.stdout
     assert all(c.isprintable() or c == "\n" for c in run.stdout)
-    assert not any(line.startswith("right: 48") for line in run.stdout.splitlines())
+    assert not any(line.startswith("right: 51") for line in run.stdout.splitlines())
     odd = next(documents[name] for name in documents if name.startswith("=odd"))
     assert "rename it 01_to_local.py" in odd["unknown_files"]["01_to_local (1).py"]
     assert "a pipe" in exercise(odd, "01_compose")["message"]
@@ -303,7 +303,7 @@ def test_where_nothing_can_be_forked_each_answer_starts_anew(tmp_path):
 def test_what_the_checks_save_can_be_marked(tmp_path, monkeypatch):
     monkeypatch.setenv(my_answers.FOLDER, str(tmp_path))
     checks = {f"{check.notebook}_{check.name}": check for check in all_checks()}
-    assert len(checks) == 48
+    assert len(checks) == 51
     (tmp_path / "source.py").write_text(RIGHT)
     checks["01_to_local"].use(my_answers.read(tmp_path / "source.py", "to_local"))
     (tmp_path / "source.py").unlink()
