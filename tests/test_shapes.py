@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
+from tutorial_lib.checks.nb10 import fit
 from tutorial_lib.driving.control import rmp_arcs
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.geodesics import GridPaths
@@ -70,6 +71,7 @@ DOORS = {
     "move": (lambda *a: move(*a, 0.2), [some(N, 3), some(N, 3), SQUARE]),
     "match_scans": (match_scans, [some(N, B), some(N, B), zeros(N, 2, 3)]),
     "agreement": (agreement, [some(N, B), some(N, B), zeros(N, 3)]),
+    "fit": (fit, [some(B), some(B), zeros(N, 3)]),
     "free_travel": (lambda *a: rmp_arcs.free_travel(*a, 0.1), [*RMP, some(N, 2), DISCS]),
     "safe_speeds": (
         lambda lasers, arcs, discs, left: rmp_arcs.safe_speeds(
@@ -101,6 +103,7 @@ DOORS = {
 }
 """Every public function that calls a kernel, with arguments that fit."""
 KERNELS = {
+    "checks/nb10/fits.py": {"fit"},
     "driving/control/arc_kernels.py": {"free_travel", "clear_lanes", "choose_moves"},
     "driving/geodesics.py": {"GridPaths.nearest"},
     "exploration/explorable.py": {"explorable"},
@@ -151,6 +154,7 @@ ALONE = {  # changes after which they fit as well: nothing else has to be as lon
     ("explorable", 0): {"shorter", "longer", "one", "none", "narrower", "wider"},
     ("Raycaster.cast", 0): {"shorter", "longer", "one", "none"},
     ("GridPaths.nearest", 0): {"shorter", "longer", "one", "none", "deeper", "number"},
+    ("fit", 2): {"shorter", "longer", "one", "none"},
     ("move", 2): {"shorter", "longer", "one", "none"},
     ("free_travel", 3): {"shorter", "longer", "one", "none"},
     ("safe_speeds", 2): {"shorter", "longer", "one", "none"},

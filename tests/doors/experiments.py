@@ -174,6 +174,7 @@ WITHOUT = dict.fromkeys(
         *("farthest", "learned_from", "make_office", "navigate_once"),
         *("deep_experiences", "image_poses", "run_fleet", "run_queries"),
         *("MapScore", "TamperedMap", "score_map"),
+        *("Settings", "draw_lives", "live"),
         "place_people",
     ),
     RUN,
