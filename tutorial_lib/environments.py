@@ -148,7 +148,9 @@ def for_baselines(many: Any, rows: int = 4, columns: int = 32) -> Any:  # noqa: 
             setattr(many, attr_name, value)
 
         def env_method(self, method_name: str, *arguments: Any, **options: Any) -> list[Any]:  # noqa: ANN401
-            raise InputError(f"env_method: {method_name!r} of one environment; all are one: use get_attr")
+            raise InputError(
+                f"env_method: {method_name!r} of one environment; all are one: use get_attr"
+            )
 
         def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:  # noqa: ANN401
             return [False] * len(list(self._get_indices(indices)))
