@@ -1058,6 +1058,7 @@ def validate_and_draw(network):
 handle = display(loss_chart(), display_id=True)
 
 # %%
+# Train it (about 10 s)
 torch.manual_seed(0)
 trained = LocalNetwork(small_network)
 optimizer = torch.optim.Adam(trained.parameters(), plan.learning_rate)
@@ -1082,7 +1083,7 @@ show(stacked([side_by_side(panels, titles), outcome_legend()]))
 # Has it learnt *your flat*, or to *compare images*? A field trip tells: another flat, where neither network has ever been.
 
 # %% hidden=true
-# The same networks in another flat
+# The same networks in another flat (about 5 s)
 elsewhere = scene_of(local_world(10_008))
 other_trajectories = demonstrate("another", elsewhere, 24, seed=0, controller=RMPController())
 other_world = RecordedWorld(elsewhere, other_trajectories)
@@ -1182,7 +1183,7 @@ show(side_by_side([camera_picture(image, 180) for image in images], names, gap=6
 # With context your robot misses few targets. So we make it harder, with single images, $k = 0$: 100 episodes at home and, on a field trip, 100 in a maze. Here are three of them.
 
 # %% hidden=true
-# 200 episodes by single images, and three of them
+# 200 episodes by single images, and three of them (about 5 s)
 maze_world = local_world(10_006)
 maze = scene_of(maze_world)
 maze_drives = demonstrate(maze_world, maze, 24, seed=0, controller=RMPController())

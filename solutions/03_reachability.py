@@ -477,7 +477,7 @@ rollout_labels = check_rollout_labels.use(rollout_labels)
 # Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors, in which no network was trained. Up to 150 pairs each, with an overlap of a tenth at least, both ways; the others are for section 5. Watch what share arrives, and how many of the others collide. It takes about 10 s.
 
 # %% hidden=true
-# Draw pairs in four buildings, and drive
+# Draw pairs in four buildings, and drive (about 15 s)
 HOUSES = {
     "your flat": HOME,
     "office": local_world(10_037),

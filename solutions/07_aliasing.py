@@ -902,7 +902,7 @@ around_cycles = check_around_cycles.use(around_cycles)
 # The first screen's trip, now with the map by sequences, a belief, a count of visits, and as many plans as it takes. It still can't know in which room it is. Watch for the moment when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
 
 # %% hidden=true
-# The first screen's trip with all remedies
+# The first screen's trip with all remedies (about 15 s)
 some = np.unique([trip, *order[:6].tolist()])
 today = drive_with("all", topomap, trials.subset(some))
 again = int(np.flatnonzero(some == trip)[0])

@@ -806,11 +806,11 @@ explore = check_explore.use(explore)
 # - the **library's agent** also asks $\mathcal F_L$ on the way, and has the reserve list;
 # - an **oracle** knows the building.
 #
-# All but the oracle notice the goal in the same manner. Watch the last column. It takes about 10 s.
+# All but the oracle notice the goal in the same manner. Watch the last column.
 
 
 # %% hidden=true
-# Four agents on the same hard episodes
+# Four agents on the same hard episodes (about 10 s)
 def all_at_once(agent_of, episodes=hard, scenes=None):
     """Success and metres of an agent, all its episodes in lock-step; and the task."""
     many = fresh(episodes, scenes)
@@ -827,7 +827,7 @@ others = {
 tasks = {name: all_at_once(agent_of) for name, agent_of in others.items()}
 
 # %% hidden=true
-# Your loop beside them
+# Your loop beside them (about 5 s)
 results, runs = {}, []
 for number in tqdm(range(EPISODES), "episodes", leave=False):
     one = fresh(hard[[number]])
@@ -1123,7 +1123,7 @@ else:
 # Sixteen hard goals in two more buildings, for your loop and the library's agent. The pictures are the failures: blue where it started, vermilion where it ended, green the goal. Ask of each: was it the score, the graph, or the recognition of the goal?
 
 # %% hidden=true
-# The library's agent on hard episodes of two more buildings
+# The library's agent on hard episodes of two more buildings (about 10 s)
 elsewhere = []
 for seed, signs in tqdm(((10_003, "plain"), (10_005, "wayfinding")), "buildings", leave=False):
     name = exploration_world(seed, signs)
@@ -1133,7 +1133,7 @@ for seed, signs in tqdm(((10_003, "plain"), (10_005, "wayfinding")), "buildings"
     elsewhere.append((name, scene, some, many))
 
 # %% hidden=true
-# A gallery: your loop and the library's agent
+# A gallery: your loop and the library's agent (about 15 s)
 gallery, tried, ended = [], {"your loop": 0, "the library's": 0}, []
 for name, scene, some, many in tqdm(elsewhere, "buildings", leave=False):
     ends = [("the library's", many, i) for i in range(len(some))]
@@ -1228,7 +1228,7 @@ display(together)
 # Elsewhere, the planner refuses, and both together do what the explorer does alone; the [page of results](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch it in your friend's flat.
 
 # %% hidden=true
-# A first visit with six goals; then goals that it passed, and one that it did not
+# A first visit with six goals; then goals that it passed, and one that it did not (about 5 s)
 rng = np.random.default_rng(6)
 first = draw_episodes(flat_name, flat, {"medium": 1}, rng)
 visited = ExplorationTask({flat_name: flat}, first, rng)

@@ -17,7 +17,7 @@ from tutorial_lib.world.worlds import scene_of
 
 # A busy machine is no defect.
 settings.register_profile(
-    "patient", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow]
+    "patient", deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.register_profile("thorough", settings.get_profile("patient"), max_examples=100)
 settings.load_profile("patient")

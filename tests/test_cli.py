@@ -88,6 +88,7 @@ def save_hall(folder):
     return folder / "hall.yaml"
 
 
+@pytest.mark.full
 def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path, monkeypatch, capsys):
     save_hall(tmp_path)
     monkeypatch.setattr(navigation_demo, "PLACES", 3)
@@ -295,6 +296,7 @@ def test_a_fault_of_the_library_keeps_its_traceback(monkeypatch):
         main(["experiment", "plans"])
 
 
+@pytest.mark.full
 def test_a_worker_that_the_system_ended_is_one_line(capsys, monkeypatch):
     monkeypatch.setattr(plans, "examine", end_at_once)
     assert main(["experiment", "plans", "--worlds", "10500:10501", "--family", "maze"]) == 2
@@ -530,6 +532,7 @@ def test_bench_raycast_compares_every_method_at_every_size(tmp_path, monkeypatch
     assert all(row["frames_per_s"] > 0 for row in rows)
 
 
+@pytest.mark.full
 def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, monkeypatch):
     brief = replace(fleet.EXPERIMENT, quick_settings=fleet.Settings(rounds=3))
     monkeypatch.setitem(BENCHMARKS, "fleet", brief)

@@ -64,6 +64,7 @@ def fail(number):
     os._exit(number)
 
 
+@pytest.mark.full
 def test_a_worker_that_dies_is_an_error():
     with pytest.raises(
         InputError, match=r"^worlds: a worker process was ended from outside.*; close"

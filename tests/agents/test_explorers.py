@@ -94,7 +94,13 @@ def test_scores_pay_and_the_oracle_is_above_all(ran):
     assert spl["nts"] > spl["fbe"] > spl["random"]
 
 
-@pytest.mark.parametrize("name", ["no graph", "no score", "histogram", "chance", "fbe"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("no graph", "no score", "fbe"),
+        *(pytest.param(name, marks=pytest.mark.full) for name in ("histogram", "chance")),
+    ],
+)
 def test_every_variant_explores_and_every_episode_ends(name, ran):
     task, _ = ran(name)
     assert task.done.all()
@@ -174,6 +180,7 @@ def test_where_nothing_is_localised_there_is_a_node_at_every_look(scenes, episod
     assert not task.success.any()
 
 
+@pytest.mark.full
 def test_an_agent_goes_on_to_more_goals(scenes):
     name, scene = next(iter(scenes.items()))
     rng = np.random.default_rng(0)

@@ -75,6 +75,7 @@ def steps(task, agent, count):
         yield
 
 
+@pytest.mark.full
 def test_without_a_score_every_ghost_is_as_likely_at_every_choice():
     agent = NTSAgent(Hall(), np.random.default_rng(0), NTSSettings(use_score=False))
     task = in_a_hall()

@@ -94,6 +94,7 @@ def lifelong(**changed):
     return lambda model: LifelongAgent(model, np.random.default_rng(0), LifelongSettings(**changed))
 
 
+@pytest.mark.full
 def test_a_robot_that_is_not_carried_has_one_graph_and_one_that_is_joins_two():
     success, agent = life(lifelong())
     assert success.mean() > 0.7

@@ -138,6 +138,7 @@ def test_a_class_that_ends_its_process_is_said_so(tmp_path):
     assert found == {"fault": "its process ended itself or was killed (exit code 3)"}
 
 
+@pytest.mark.full
 def test_a_process_has_limits_too_and_one_that_does_not_stop_is_killed(tmp_path, monkeypatch):
     (tmp_path / "own.py").write_text(CLASS.format(init=FOR_EVER, act="pass"))
     where = f"{tmp_path / 'own.py'}:Mine"

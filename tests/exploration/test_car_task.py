@@ -106,6 +106,7 @@ def test_a_car_that_does_not_fit_is_turned_as_little_as_need_be():
         turned_to_fit(scene, np.array([[0.05, 5.0, 0.0]]))
 
 
+@pytest.mark.full
 def test_the_agents_of_the_round_robot_find_goals_with_the_car(scenes, episodes):
     found = []
     for make in (

@@ -78,6 +78,7 @@ def test_progress_sums_up_to_the_metres_between_the_first_and_the_last_step(name
         assert paid == pytest.approx(first - to_go(task)[0] - 0.001 * steps, abs=0.15)
 
 
+@pytest.mark.full
 def test_many_in_lock_step_are_paid_what_each_would_be():
     worlds = (10_100, 10_101)
     many = gymnasium.make_vec(IMAGE_GOAL, num_envs=6, worlds=worlds, reward="shaped")

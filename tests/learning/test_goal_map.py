@@ -174,6 +174,7 @@ def test_the_scorer_reads_any_number_of_frontiers_of_several_robots(seeing):
         scorer.score(crops[:, :90], *rows, frontiers, robots)
 
 
+@pytest.mark.full
 def test_it_trains_on_shipped_features_and_refuses_others(seeing, tmp_path, monkeypatch):
     weights = tmp_path / "weights"
     save_network(seeing, Card("nts_rgbd", "train nts --sensor rgbd", seeing.architecture), weights)

@@ -217,6 +217,7 @@ def tiny(tmp_path, monkeypatch):
     return begun
 
 
+@pytest.mark.full
 def test_the_command_trains_from_the_multi_task_network(tiny, tmp_path):
     folder = tmp_path / "weights"
     with joblib.parallel_config(backend="threading"):

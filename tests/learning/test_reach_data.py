@@ -120,6 +120,7 @@ def driven(monkeypatch):
     return noted
 
 
+@pytest.mark.full
 def test_a_world_is_recorded_once_and_again_where_something_changed(tmp_path, driven):
     def record(targets=1):
         (path,) = record_outcomes([WORLD], CONTROLLER, targets, 1, tmp_path, jobs=1)
@@ -143,6 +144,7 @@ def test_a_world_is_recorded_once_and_again_where_something_changed(tmp_path, dr
     assert driven == [WORLD] * 3
 
 
+@pytest.mark.full
 def test_outcomes_belong_to_their_demonstrations(tmp_path, driven):
     for cars in (1, 2):
         record_outcomes([WORLD], CONTROLLER, 1, cars, tmp_path, jobs=1)
@@ -158,6 +160,7 @@ def network():
     return LocalNetwork(Architecture(0, "pair", outputs="reachability")).eval()
 
 
+@pytest.mark.full
 def test_a_search_s_outcomes_are_kept_for_these_weights(tmp_path, recorded, network, monkeypatch):
     searched = []
 

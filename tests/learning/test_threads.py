@@ -33,6 +33,7 @@ def test_the_environment_decides():
     assert run(f"{LOADED}; {SHOWN}", OMP_NUM_THREADS="2") == [2]
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a process of its own for each takes long")
 def test_the_first_network_sets_one_thread_unless_a_number_is_set_before_or_later():
     imported = "from tutorial_lib.learning import WaypointNetwork, use_threads"

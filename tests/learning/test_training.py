@@ -668,7 +668,7 @@ class Fixed(Source):
         return super().block([0])
 
 
-@pytest.mark.parametrize("encoder", ["pair", "matching"])
+@pytest.mark.parametrize("encoder", ["matching", pytest.param("pair", marks=pytest.mark.full)])
 def test_a_tiny_problem_is_learnt(worlds, encoder):
     architecture = Architecture(0, encoder)
     fixed = Fixed(worlds[:1], architecture, worlds=1, targets=8, vary=False)

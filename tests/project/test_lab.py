@@ -31,7 +31,7 @@ def ask(lab, path, **options):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("name", ["SIGTERM", pytest.param("SIGHUP", marks=pytest.mark.full)])
 def test_jupyterlab_and_its_kernels_end_with_start(tmp_path, name):
     number = getattr(signal, name)
     with Lab(tmp_path, START) as lab:

@@ -66,15 +66,19 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
 
 
 @each_source
-def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
+def test_it_runs_from_top_to_bottom_unsolved_and_solved(source, request):
     """In one kernel, which imports the library and runs what both have in common once.
+
+    Slow cells behind a check are run unsolved as well with --full.
 
     What the solved one prints is what is stored, and so what its text speaks of; on another kind of
     processor some robots drive otherwise, since the last digits of what networks predict differ.
     """
     notebook = solved(source)
     students = for_students(notebook)
-    cells, first, second = both(notebook.cells, students.cells)
+    cells, first, second = both(
+        notebook.cells, students.cells, slow_ones=request.config.getoption("--full")
+    )
     run = new_notebook(cells=[NotebookNode(cell, id=f"cell-{i}") for i, cell in enumerate(cells)])
     execute(run, PROJECT / "notebooks")
     names = exercises(students.cells)

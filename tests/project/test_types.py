@@ -33,6 +33,7 @@ def checked(*arguments):
     )
 
 
+@pytest.mark.full
 def test_the_library_s_types_fit():
     run = checked()
     assert run.returncode == 0, run.stdout + run.stderr

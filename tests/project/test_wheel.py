@@ -164,6 +164,7 @@ def test_answers_are_saved_counted_and_marked_in_the_course_s_folder(course):
     assert "to_local: passed" in course.do("mark", "my_answers")
 
 
+@pytest.mark.full
 def test_results_are_written_into_the_course_s_folder(course):
     page = course.folder / "tutorial_lib" / "results" / "README.md"
     page.write_text("old")

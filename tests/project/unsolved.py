@@ -1,10 +1,12 @@
 """A notebook solved and unsolved in one run: what no exercise has a part in is run once."""
 
 import dis
+import re
 from types import CodeType
 
 from nbformat.v4 import new_code_cell
 
+_SLOW = re.compile(r"# .*\(about \d+ s\)\n")
 _READS = ("LOAD_NAME", "LOAD_GLOBAL", "LOAD_FROM_DICT_OR_GLOBALS")
 
 BEGIN = new_code_cell('''
@@ -29,18 +31,20 @@ class _Unsolved:
 ''')
 
 
-def both(solved, unsolved):
+def both(solved, unsolved, *, slow_ones=True):
     """Cells that run both notebooks, and which of them are cells of each.
 
     An unsolved cell follows its solved one, on values of its own, if it reads what comes from an
-    exercise. The others are the same code on the same values, and stand for both.
+    exercise. The others are the same code on the same values, and stand for both. So does, without
+    `slow_ones`, a cell that announces its seconds: behind a check the student's function and the
+    library's, which stands in for one that is missing, do the same.
 
     Returns:
         The cells, the indices of all cells of the solved notebook, and those of the cells of the
         unsolved one that were run again.
     """
     cells, first, second = [BEGIN], [], []
-    for cell, other, names, new in _parts(solved, unsolved):
+    for cell, other, names, new in _parts(solved, unsolved, slow_ones):
         if names is not None:
             cells.append(new_code_cell(f"_Unsolved.keep({sorted(new)})"))
         first.append(len(cells))
@@ -52,7 +56,7 @@ def both(solved, unsolved):
     return cells, first, second
 
 
-def _parts(solved, unsolved):
+def _parts(solved, unsolved, slow_ones):
     """For each cell its twin, the names with two values after it, and those that are new.
 
     Both are None where the cell reads no name with two values.
@@ -64,7 +68,9 @@ def _parts(solved, unsolved):
             continue
         now, later, stored = flow(compile(cell.source, "cell", "exec"))
         reads = now | later
-        if "exercise" in cell.metadata or not two.isdisjoint(_all(reads, needs)):
+        once = not slow_ones and _SLOW.match(cell.source)
+        depends = not once and not two.isdisjoint(_all(reads, needs))
+        if "exercise" in cell.metadata or depends:
             new, two = stored - two, two | stored
             yield cell, other, two, new
         else:

@@ -52,7 +52,7 @@ def test_a_wall_has_the_mean_colour_of_the_stretch_that_a_column_covers():
         assert np.abs(image[pose, 31, 63 - ray] - expected).max() <= 1.5
 
 
-@pytest.mark.parametrize("palette", ["standard", "shifted"])
+@pytest.mark.parametrize("palette", ["standard", pytest.param("shifted", marks=pytest.mark.full)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_same_seed_gives_the_same_bytes_and_a_palette_only_other_colours(family, palette):
     scene, again = (Scene(generate(family, 73, palette)) for _ in range(2))

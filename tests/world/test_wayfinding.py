@@ -137,6 +137,7 @@ def test_every_door_frame_is_one_colour_of_its_own_place():
     assert len({frame.colour for frame in frames}) > 0.4 * len(plan.doors)
 
 
+@pytest.mark.full
 def test_each_world_has_hues_of_its_own_and_the_same_seed_the_same():
     one, same = (generate("maze", 40, signs="wayfinding") for _ in range(2))
     assert one.materials == same.materials
@@ -148,6 +149,7 @@ def test_each_world_has_hues_of_its_own_and_the_same_seed_the_same():
     assert len(set(firsts)) >= 4
 
 
+@pytest.mark.full
 def test_hues_rise_along_some_buildings_and_fall_along_others():
     rising = []
     for seed in range(40, 48):

@@ -121,6 +121,7 @@ def test_a_turn_in_place_is_that_of_the_body(body):
         assert simulation.poses[0, :2] == pytest.approx([5.0, 5.0], abs=1e-6)
 
 
+@pytest.mark.full
 def test_demonstrations_are_driven_with_a_body_of_ones_own():
     scene = Scene(generate("apartment", seed=3))
     usual, own = (demonstrate("apartment", scene, 4, 0, body=body) for body in (None, LONG))

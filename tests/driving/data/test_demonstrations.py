@@ -154,6 +154,7 @@ def test_a_row_holds_what_was_sensed_before_its_action(scene, shown):
         assert t.actions[0].any()
 
 
+@pytest.mark.full
 def test_trajectories_with_collisions_are_dropped(scene):
     kept = demonstrate(WORLD, scene, 40, 0, Blind())
     assert len(kept) < 10
@@ -272,6 +273,7 @@ def test_trajectories_lead_from_given_starts_to_given_goals(scene, shown, trials
     assert {trajectory.seed for trajectory in found} == {77}
 
 
+@pytest.mark.full
 def test_nothing_about_them_is_random_but_the_drift(scene, trials):
     paths = GridPaths(scene.clearance)
     one, two = (

@@ -98,6 +98,7 @@ def same(one, two):
 # How rollouts end.
 
 
+@pytest.mark.full
 def test_each_rollout_ends_as_if_its_robot_were_alone(world, pairs, outcomes):
     ends = np.array([outcomes.reached, outcomes.collided]).T
     assert len(np.unique(ends, axis=0)) == 3  # reached, touched, and neither

@@ -175,6 +175,7 @@ def test_an_explorer_of_ones_own_is_compared_and_a_fault_costs_its_own_rows_only
     assert [note for note in notes if "own.py, line 10: AttributeError" in note]
 
 
+@pytest.mark.full
 def test_a_fault_in_table_2_costs_its_own_rows_only_and_is_the_exit_code(
     own, tmp_path, monkeypatch, capsys
 ):

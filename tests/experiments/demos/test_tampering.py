@@ -57,6 +57,7 @@ def tampered(building, agent, queries, monkeypatch):
     return TamperedMap(building, agent, queries, door, first=100)
 
 
+@pytest.mark.full
 def test_a_block_takes_the_next_queries_past_the_door_as_it_is(tampered, agent, monkeypatch):
     run, calls = tampering.run_queries, []
 
@@ -133,6 +134,7 @@ def test_what_it_cannot_work_with_is_named(building, agent, queries, tampered):
         TamperedMap(building, replace(agent, maintenance=None), queries, [])
 
 
+@pytest.mark.full
 def test_a_score_counts_vertices_and_arrivals_and_leaves_the_map_as_it_is(building, agent, queries):
     before = dict(agent.sampled.graph.edges)
     found = score_map(building, queries, agent.sampled)

@@ -55,6 +55,7 @@ def test_no_drive_leads_all_along_the_trip_but_two_do_together(usual):
         assert max(gaps(drive, start).min(), gaps(drive, goal).min()) > 0.5
 
 
+@pytest.mark.full
 def test_the_budget_of_drives_is_kept(usual):
     metres = sum(one.arc_length[-1] for one in usual.building.recorded.trajectories)
     assert 0.5 * LEARNED < metres <= LEARNED
@@ -96,6 +97,7 @@ def test_a_trip_leads_between_rooms_asked_for(flat, agent):
     assert task.rooms == ("bedroom 3", "kitchen")
 
 
+@pytest.mark.full
 def test_a_trip_leads_between_poses_asked_for(flat, agent, usual):
     x, y, heading = usual.trial.starts[0].tolist()
     goal = usual.trial.goal_poses[0].tolist()

@@ -9,6 +9,7 @@ from tutorial_lib.experiments.demos import visits_demo
 from tutorial_lib.experiments.demos.visits_demo import run_visits_demo
 
 
+@pytest.mark.full
 def test_a_life_leaves_film_strip_and_figures(tmp_path):
     life = run_visits_demo(tmp_path, visits=2)
     assert sorted(file.name for file in tmp_path.iterdir()) == [

@@ -67,6 +67,7 @@ def queries(building):
     return navigation_tasks.draw_trials(building, 24, np.random.default_rng(5))
 
 
+@pytest.mark.full
 def test_with_true_perception_nearly_all_arrive_and_the_map_stays_whole(building, queries):
     agent = learned(building)
     before = agent.sampled.graph.copy()
@@ -127,6 +128,7 @@ def test_images_of_one_place_that_look_different_ways_are_joined_by_turning(buil
     assert not any("turn" in edge for _, _, edge in without.edges(data=True))
 
 
+@pytest.mark.full
 def test_robots_look_before_they_drive_along_what_is_not_there(building, queries):
     agent = learned(building)
     injected = spurious.spoil(building, agent, 0.2, np.random.default_rng(0))
@@ -190,6 +192,7 @@ def test_a_spoilt_map_has_as_many_edges_of_which_some_lead_far(building):
     assert all(np.hypot(*(poses[a] - poses[b])[:2]) > 5 for a, b in injected)
 
 
+@pytest.mark.full
 def test_every_agent_has_a_row_for_each_block(monkeypatch):
     pairs = (("ltvn", "oracle"), ("frozen", "oracle"), ("oracle", "oracle"))
     settings = lifelong.Settings(agents=pairs, queries=4, block=2, fleet=2)
@@ -202,6 +205,7 @@ def test_every_agent_has_a_row_for_each_block(monkeypatch):
     assert any("ltvn - frozen" in note for note in notes)
 
 
+@pytest.mark.full
 def test_spurious_edges_are_counted():
     settings = spurious.Settings(
         shares=(0.2,), perceptions=("oracle",), queries=4, block=2, fleet=2
@@ -222,6 +226,7 @@ def test_pairs_with_the_label_are_reached():
     assert with_label["faces"] > others["faces"]
 
 
+@pytest.mark.full
 @needs("relative_5", "relative_0")
 def test_gates_are_compared_at_thresholds_of_validation_worlds(monkeypatch):
     same = cache(partial(model.scored, (20_001, STANDARD)))  # every world is this room

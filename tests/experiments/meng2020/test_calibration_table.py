@@ -277,6 +277,7 @@ def world():
     return found
 
 
+@pytest.mark.full
 def test_a_world_is_examined_from_every_side(world):
     one = world["image"]
     assert set(one) == {"predicted", "reached", "seen", "bound", "far", "consecutive", "edges"}

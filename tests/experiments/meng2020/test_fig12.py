@@ -113,6 +113,7 @@ def test_the_same_trials_are_run_with_and_without_remedies(office, monkeypatch):
     assert rows["all"]["circled"] == 0
 
 
+@pytest.mark.full
 @networks
 def test_the_filter_is_watched_along_drives_and_at_standstill(office, monkeypatch):
     monkeypatch.setattr(fig12_localization, "make_office", lambda *_, **__: office)

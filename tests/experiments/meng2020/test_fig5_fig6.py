@@ -286,6 +286,7 @@ def test_fig_6_numbers_nine_places_of_one_trajectory(box, monkeypatch):
 # With trained weights.
 
 
+@pytest.mark.full
 @needs("reach_k2", "reach_k5", "reach_laser")
 def test_fig_5_runs_on_a_validation_world(monkeypatch):
     monkeypatch.setattr(following, "CARS", 4)
@@ -296,6 +297,7 @@ def test_fig_5_runs_on_a_validation_world(monkeypatch):
     assert all(0.0 < row["sparsity"] < 1.0 for row in report.rows)
 
 
+@pytest.mark.full
 @needs("reach_k5")
 def test_fig_6_runs_on_a_validation_world(monkeypatch):
     monkeypatch.setattr(fig6, "CARS", 4)

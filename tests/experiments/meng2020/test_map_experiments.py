@@ -103,6 +103,7 @@ def test_the_two_trajectories_of_fig_4_run_side_by_side_farthest(building):
     assert common(first, last) == most > 0
 
 
+@pytest.mark.full
 @networks
 def test_each_stage_of_fig_4_leaves_less_of_the_map(monkeypatch):
     def beginnings(*given):  # of whole drives, all pairs of frames take long
@@ -120,6 +121,7 @@ def test_each_stage_of_fig_4_leaves_less_of_the_map(monkeypatch):
     assert dense["vertices"] < dense["frames"]
 
 
+@pytest.mark.full
 @networks
 def test_fig_8_has_the_pose_of_every_vertex(building):
     (row,) = saved(fig8.EXPERIMENT.report(QUICK))["rows"]
@@ -238,6 +240,7 @@ def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(build
     assert f"from place {pair[0]} to {pair[1]}" in report.notes[0]
 
 
+@pytest.mark.full
 @networks
 def test_a_world_without_a_new_path_is_an_error():
     few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=4, share=1.0))

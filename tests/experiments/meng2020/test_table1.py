@@ -124,6 +124,7 @@ def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name
         assert LocalNetwork(recipe.architecture) is not None
 
 
+@pytest.mark.full
 def test_smoothing_compares_each_controller_with_itself(monkeypatch):
     parts = []
 
@@ -145,6 +146,7 @@ def test_smoothing_compares_each_controller_with_itself(monkeypatch):
     assert note.startswith(f"k0: 0.1 - 1: {gain:+.1f} points")
 
 
+@pytest.mark.full
 def test_with_a_share_of_1_c_has_no_memory():
     settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0,), episodes=6)
     options = Options(worlds=(WORLD,), family="hall")
@@ -155,6 +157,7 @@ def test_with_a_share_of_1_c_has_no_memory():
     assert condition.episodes.recorded.scene.plan.family == "hall"
 
 
+@pytest.mark.full
 def test_c_of_table_1_smooths_its_waypoints(course):
     for name in ("k0", "k2", "k5"):
         predictor = WaypointNetwork(f"waypoint_{name}")

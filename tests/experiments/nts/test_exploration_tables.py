@@ -48,6 +48,7 @@ def test_table1_has_a_row_for_each_agent_signs_and_difficulty():
     assert again == [row for row in rows if row["agent"] == "oracle"]
 
 
+@pytest.mark.full
 def test_table1_has_the_same_episodes_with_a_car():
     settings = table1.Settings(1, ("nts", "il", "oracle"), ("nts",), geometry=True)
     cars, notes = table1.run(replace(ONE_WORLD, body="car"), settings)
@@ -89,6 +90,7 @@ def test_measures_are_means_over_the_episodes():
     assert alone["spl_low"] is None
 
 
+@pytest.mark.full
 def test_table2_takes_away_the_stop_and_the_noise():
     settings = table2.Settings(1, ("nts",), geometry=True)
     rows, notes = table2.run(OPTIONS, settings)

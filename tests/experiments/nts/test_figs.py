@@ -34,6 +34,7 @@ def of(made, figure):
     return [row for row in made[0] if row["figure"] == figure]
 
 
+@pytest.mark.full
 def test_all_rows_have_the_same_columns_and_lists_are_only_in_the_json(made):
     rows, notes, _ = made
     assert [row["figure"] for row in rows] == [3, 3, 4, 4, 9, 9, 9, 9, 10, 10]
@@ -105,6 +106,7 @@ def test_fig9_runs_one_episode_four_times(made):
     assert np.linalg.norm(gap, axis=2).min(axis=1).max() < 0.01
 
 
+@pytest.mark.full
 def test_pictures_are_left_and_are_drawn_from_the_rows_alone(made):
     rows, notes, folder = made
     names = ["nts_fig10.png", "nts_fig3.png", "nts_fig4.png", "nts_fig9.png"]

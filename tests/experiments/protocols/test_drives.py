@@ -120,6 +120,7 @@ def test_a_goal_is_passed_if_some_drive_looks_at_it_as_it_was_taken(building, tr
     assert not passed_goals(away, trials, "", 0)[0]
 
 
+@pytest.mark.full
 def test_goals_that_the_continuous_drive_passes_are_judged_by_that_drive(
     building, continuous, trials, monkeypatch
 ):

@@ -207,6 +207,7 @@ def test_nor_does_anything_that_the_agents_keep(building, trials, name, monkeypa
     assert leaks(building, few, outcome, agent, kept, goals) == []
 
 
+@pytest.mark.full
 @needs("laser_k2", "reach_laser")
 def test_networks_that_look_at_the_laser_find_its_scans_in_the_contexts(building, trials):
     predictor, reachability = WaypointNetwork("laser_k2"), ReachabilityNetwork("reach_laser")
@@ -310,6 +311,7 @@ class AtRandom(Hoarder):
         return actions
 
 
+@pytest.mark.full
 def test_odometry_alone_leads_to_the_goal_no_more_often_than_chance(building, monkeypatch):
     trials = draw_trials(building, 40, np.random.default_rng(2))
     by_odometry = attempt(building, trials, ByOdometry()).outcome.success

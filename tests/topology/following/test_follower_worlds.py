@@ -156,7 +156,9 @@ def test_the_same_seed_makes_the_same_tracks(under_way):
     assert not np.array_equal(one, other)
 
 
-@pytest.mark.parametrize("origin", [[90.0, -40.0, 2.0], [0.0, 0.0, -3.0]])
+@pytest.mark.parametrize(
+    "origin", [[90.0, -40.0, 2.0], pytest.param([0.0, 0.0, -3.0], marks=pytest.mark.full)]
+)
 def test_only_motions_by_odometry_matter_and_not_where_it_began(under_way, origin):
     one, elsewhere = Trial(under_way).begin(), Trial(under_way).begin()
     elsewhere.simulation.odometry = np.tile(origin, (len(elsewhere.simulation), 1))
