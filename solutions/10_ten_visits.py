@@ -189,7 +189,7 @@ def run(lives, make):
     """What becomes of an agent in lives, and the agent."""
     task = task_of(lives)
     agent = make(task)
-    found = live(task, agent, lives.goals, {}, lives.scene)
+    found = live(task, agent, lives.goals)
     return found, agent
 
 

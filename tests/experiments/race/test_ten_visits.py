@@ -9,7 +9,14 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.race import ten_visits
 from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS
-from tutorial_lib.experiments.race.ten_visits import APART, Settings, draw_lives, run
+from tutorial_lib.experiments.race.ten_visits import (
+    APART,
+    CHANGED,
+    STAYS,
+    Settings,
+    draw_lives,
+    run,
+)
 from tutorial_lib.exploration.episodes import exploration_world
 from tutorial_lib.world.worlds import scene_of
 
@@ -74,6 +81,18 @@ def test_lives_have_rows_and_a_faulty_agent_costs_its_own_only(tmp_path):
 
 def test_all_who_run_are_known():
     assert set(FIELD) | set(INGREDIENTS) <= RUNNERS.keys()
+
+
+def test_the_same_lives_are_lived_where_the_building_stays_and_where_it_changes():
+    settings = Settings(("oracle",), lives=2, visits=5, changes=1)
+    rows, _ = run(Options(worlds=(WORLD + 7, WORLD + 2)), settings)  # no detours in the second
+    stays, changes = ([r for r in rows if r["building"] == kind] for kind in (STAYS, CHANGED))
+    assert [row["visits"] for row in stays] == [row["visits"] for row in changes] == ["1-3", "1-10"]
+    for row in rows:
+        assert row["goals"] == 2 * (3 if row["visits"] == "1-3" else 5)
+        assert row["success"] == 1.0
+        assert row["gap"] == 0.0
+    assert changes[1]["steps"] > stays[1]["steps"] + 1  # by the detour
 
 
 @pytest.mark.parametrize("name", ["oracle", "random_forgets"])

@@ -1,12 +1,15 @@
 """Ten visits: every system over the life of a robot in one building (beyond the papers).
 
 A life is ten goals, one after another, from where the robot stands; nothing ever corrects its
-odometry but itself. In some lives somebody carries the robot elsewhere before a visit.
+odometry but itself. In some lives somebody carries the robot elsewhere before a visit, and in
+others the building changes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,7 @@ from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.common.own import CUSTOM, or_fault
 from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
+from tutorial_lib.experiments.race.changes import changed
 from tutorial_lib.experiments.race.relocations import Relocations
 from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, own_runner
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
@@ -42,6 +46,10 @@ WRONG = 1.0
 """Metres by which it is wrong then, from which it found itself elsewhere."""
 CARRIED = (3, 6)
 """Visits, counted from 0, before which robots are carried in the lives with a carry."""
+STAYS, CHANGED = "stays", "changes"
+"""What the building does, in the lives of which it changes in some."""
+CHANGES = 5
+"""The visit, counted from 0, before which the building changes in the lives where it does."""
 PARTS = {"1-3": slice(0, 3), "8-10": slice(7, 10), "1-10": slice(0, 10)}
 """Visits of a row."""
 
@@ -56,6 +64,7 @@ class Settings:
         visits: of each life.
         carried: visits before which a robot is carried elsewhere.
         drifts: whether odometry does, and motion is noisy.
+        changes: the visit before which the building changes, see `changes`; never unless given.
     """
 
     agents: tuple[str, ...] = FIELD
@@ -63,6 +72,7 @@ class Settings:
     visits: int = 10
     carried: tuple[int, ...] = ()
     drifts: bool = True
+    changes: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,49 +110,87 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     check_shipped(("nts", "ans_like", "il"), "rgbd")
     own = (CUSTOM,) if options.agent else ()
     settings = replace(settings, agents=(*settings.agents, *own))
-    items = [(world, agent) for world in options.worlds for agent in settings.agents]
-    found = dict(
-        zip(items, for_each(run_life, items, options, settings, label="race"), strict=True)
-    )
+    worlds, kinds = options.worlds, {"": settings}
+    if settings.changes is not None:
+        known = for_each(drawn, worlds, options, settings, label="buildings")
+        worlds = tuple(w for w, (some, *_) in zip(worlds, known, strict=True) if len(some) > 1)
+        kinds = {STAYS: replace(settings, changes=settings.visits), CHANGED: settings}
+    items = [
+        (kind, world, agent) for kind in kinds for agent in settings.agents for world in worlds
+    ]
+    lives = for_each(run_life, items, options, kinds, label="race")
+    found = dict(zip(items, lives, strict=True))
     rows: Rows = []
     faults: list[str] = []
-    first = [found[world, settings.agents[0]] for world in options.worlds]
-    for agent in settings.agents:
-        mine = [found[world, agent] for world in options.worlds]
+    for kind, agent in product(kinds, settings.agents):
+        mine = [found[kind, world, agent] for world in worlds]
+        other = (STAYS, agent) if kind else (kind, settings.agents[0])
+        first = [found[other[0], world, other[1]] for world in worlds]
         failed = [life for life in mine if isinstance(life, Fault)]
         faults += failed[:1]
         rows += [
-            {"agent": agent, "visits": visits} | _cells(mine, first, part, options.worlds)
+            {"agent": agent, "visits": visits}
+            | ({"building": kind} if kind else {})
+            | _cells(mine, first, part, worlds)
             for visits, part in PARTS.items()
-            if not failed and len(mine[0].success[part])
+            if worlds and not failed and len(mine[0].success[part])
         ]
+    against = "the building that stays" if settings.changes is not None else settings.agents[0]
     return rows, [
         *faults,
         "passed: goals within 1 m of where the robot had been; missed: farther than 2 m",
-        f"gap: of {settings.agents[0]} to the agent, in the same lives",
+        f"gap: of {against} to this row, in the same lives",
         "drift: degrees of heading by which odometry is off at the end of the last visit",
     ]
 
 
-def run_life(item: tuple[int, str], options: Options, settings: Settings) -> Life | Fault:
-    """One agent's lives in one world; of the user's own agent also how it failed."""
-    seed, agent = item
+def run_life(
+    item: tuple[str, int, str], options: Options, kinds: Mapping[str, Settings]
+) -> Life | Fault:
+    """One agent's lives in one world; of the user's own agent also how it failed.
+
+    Args:
+        item: kind of lives, world and agent.
+        options: of the experiment.
+        kinds: settings by kind.
+    """
+    kind, seed, agent = item
+    settings = kinds[kind]
     name = exploration_world(seed, "plain", options.palette)
-    scene = scene_of(name)
-    goals, carries = draw_lives(scene, settings, np.random.default_rng([options.seed, seed]))
-    noise, own = (np.random.default_rng([options.seed, seed, i]) for i in (1, 2))
+    (scene, *later), goals, carries = drawn(seed, options, settings)
+    noise, own = (_stream(seed, options, number) for number in (1, 2))
     starts = carries[0]
     lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
     blank = ("",) * settings.lives
     episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
     task = ExplorationTask({name: scene}, episodes, noise, noise=settings.drifts)
     carried = {visit: carries[visit] for visit in settings.carried}
+    rebuilt = {visit: later[0] for visit in (settings.changes,) if visit is not None}
     if agent == CUSTOM:
         return or_fault(
             options.agent,
-            lambda: live(task, own_runner(options.agent), goals, carried, scene),
+            lambda: live(task, own_runner(options.agent), goals, carried, rebuilt),
         )
-    return live(task, RUNNERS[agent](task, shipped("nts", "rgbd"), own), goals, carried, scene)
+    return live(task, RUNNERS[agent](task, shipped("nts", "rgbd"), own), goals, carried, rebuilt)
+
+
+def drawn(
+    seed: int, options: Options, settings: Settings
+) -> tuple[tuple[Scene, ...], Array, Array]:
+    """The world of that seed, as it is or before and after it changes, and its lives' goals.
+
+    Where no change is possible, there is one scene only; goals and carries see `draw_lives`.
+    """
+    scene = scene_of(exploration_world(seed, "plain", options.palette))
+    goals, carries = draw_lives(scene, settings, _stream(seed, options))
+    if settings.changes is None:
+        return (scene,), goals, carries
+    stops = np.concatenate([carries[:1], goals])[..., :2]
+    return changed(scene, stops, _stream(seed, options, 3)) or (scene,), goals, carries
+
+
+def _stream(seed: int, options: Options, *number: int) -> np.random.Generator:
+    return np.random.default_rng([options.seed, seed, *number])
 
 
 def draw_lives(scene: Scene, settings: Settings, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -166,13 +214,25 @@ def live(
     task: ExplorationTask,
     agent: SequentialExplorer,
     goals: Array,
-    carries: dict[int, Array],
-    scene: Scene,
+    carries: Mapping[int, Array] | None = None,
+    rebuilt: Mapping[int, Scene] | None = None,
 ) -> Life:
-    """Let an agent look for goals (V, N, 3) one after another, carried before some of them."""
+    """Let an agent look for goals (V, N, 3) one after another.
+
+    Args:
+        task: all robots in one world.
+        agent: that drives them.
+        goals: of each visit.
+        carries: by visit, where robots are carried before it.
+        rebuilt: by visit, the building as it is from then on.
+    """
+    carries, rebuilt = carries or {}, rebuilt or {}
+    (scene,) = task.scenes.values()
     paths, columns, watch = GridPaths(scene.clearance), [], Relocations(task, agent)
     agent.start(task.goals())
     for visit, poses in enumerate(goals):
+        if visit in rebuilt:
+            task.rebuild(dict.fromkeys(task.scenes, rebuilt[visit]))
         before = np.stack(task.path)
         strange = np.full(len(task), np.nan)
         if visit in carries:
@@ -254,12 +314,21 @@ _CARRIED = Experiment(
     Settings(("combined", "nts_forgets"), carried=CARRIED),
     canary=Settings(("combined",), 1, 2, (1,)),
 )
+_CHANGED = Experiment(
+    "race_changed",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(("combined", "nts_forgets", "ans_corrected"), changes=CHANGES),
+    canary=Settings(("combined",), 1, 2, changes=1),
+)
 _INGREDIENTS = Experiment(
     "race_ingredients",
     run,
     VALIDATION,
     VALIDATION[:4],
     Settings(INGREDIENTS),
+    canary=Settings(("no_closing",), 1, 2),
 )
 _EXACT = Experiment(
     "race_exact",
@@ -278,5 +347,10 @@ EXPERIMENT = Experiment(
     quick_settings=Settings(lives=2),
     canary=Settings(("combined", "nts"), 1, 2),
     accepts=frozenset({"palette", "agent"}),
-    ablations={"carried": _CARRIED, "exact": _EXACT, "ingredients": _INGREDIENTS},
+    ablations={
+        "carried": _CARRIED,
+        "changed": _CHANGED,
+        "exact": _EXACT,
+        "ingredients": _INGREDIENTS,
+    },
 )
