@@ -92,7 +92,7 @@ def test_the_same_lives_are_lived_where_the_building_stays_and_where_it_changes(
         assert row["goals"] == 2 * (3 if row["visits"] == "1-3" else 5)
         assert row["success"] == 1.0
         assert row["gap"] == 0.0
-    assert changes[1]["steps"] > stays[1]["steps"] + 1  # by the detour
+    assert abs(changes[1]["steps"] - stays[1]["steps"]) > 1  # by other doors
 
 
 @pytest.mark.parametrize("name", ["oracle", "random_forgets"])
