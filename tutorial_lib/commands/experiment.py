@@ -46,6 +46,7 @@ ABLATIONS = {
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
     "carried": "lives in which somebody carries the robot elsewhere, twice",
+    "changed": "lives in which a door closes, another opens, and furniture moves",
     "ingredients": "the combined agent without one of its parts each",
     "parts": "the agent without one of its parts at a time",
 }
