@@ -108,13 +108,8 @@ def test_goals_that_cannot_be_reached_are_refused_at_once(box):
         roll_out(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
 
 
-@pytest.mark.parametrize(
-    "world",
-    [
-        "apartment/10003/standard/large",
-        pytest.param("maze/10007/standard/large", marks=pytest.mark.full),
-    ],
-)
+@pytest.mark.full
+@pytest.mark.parametrize("world", ["apartment/10003/standard/large", "maze/10007/standard/large"])
 def test_cars_that_turn_first_get_out_of_narrow_places(world):
     scene = scene_of(world)
     paths, rng = GridPaths(scene.clearance), np.random.default_rng(0)

@@ -72,6 +72,7 @@ def test_without_an_address_the_work_is_done_here():
         assert for_each(slow_square, range(2), 1, label="squares", jobs=1) == [1, 2]
 
 
+@pytest.mark.full
 def test_an_experiment_has_the_same_rows_there(cluster, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("tutorial_lib.commands.experiment.made_from", lambda *_: {})
     command = ["experiment", "plans", "--family", "hall", "--quick", "--worlds", "10500:10502"]

@@ -84,6 +84,7 @@ def test_a_block_takes_the_next_queries_past_the_door_as_it_is(tampered, agent, 
     assert arrived >= 3
 
 
+@pytest.mark.full
 def test_the_edge_that_is_driven_most_is_cut_and_comes_back(tampered, agent):
     tampered.press(RUN)
     driven = [event.edge for event in agent.upkeep.events if event.kind == "success"]

@@ -80,6 +80,7 @@ def test_with_true_perception_nearly_all_arrive_and_the_map_stays_whole(building
     assert dict(undone(agent.sampled.graph, agent.upkeep.events).edges) == dict(before.edges)
 
 
+@pytest.mark.full
 def test_a_frozen_map_does_not_change(building, queries):
     agent = learned(building, maintenance=None)
     before = agent.sampled.graph.copy()

@@ -74,6 +74,7 @@ def test_where_no_pair_is_so_far_apart_the_audit_has_no_share(monkeypatch):
     assert report.rows[1]["reached"] == 1.0
 
 
+@pytest.mark.full
 def test_the_audit_rolls_out_far_occluded_pairs_and_no_others(recorded, monkeypatch):
     monkeypatch.setattr(calibration_audit, "recorded_worlds_of", lambda *arguments: [recorded])
     rolled_out, roll_out_pairs = [], calibration_audit.roll_out_pairs

@@ -84,6 +84,7 @@ def test_the_clean_course_alone_is_the_same(course):
     assert (alone.targets == course["clean"].episodes.targets).all()
 
 
+@pytest.mark.full
 def test_a_random_controller_and_an_oracle_bracket_the_others(course):
     clean = course["clean"]
     reached = {

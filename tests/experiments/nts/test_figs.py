@@ -47,6 +47,7 @@ def test_all_rows_have_the_same_columns_and_lists_are_only_in_the_json(made):
     assert json.loads(json.dumps(report.as_dict()))["rows"] == rows
 
 
+@pytest.mark.full
 def test_with_true_geometry_predictions_are_labels(made):
     for row in of(made, 3):
         assert row["agree"] == 12
