@@ -1,10 +1,12 @@
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 from tutorial_lib.builder.guides import MADE, students_page, teachers_page, write_guides
-from tutorial_lib.builder.page import read_glossary
+from tutorial_lib.builder.page import read_glossary, title_of
+from tutorial_lib.builder.standard import minutes_of
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.topology.following.transitions import FollowerSettings
@@ -56,8 +58,8 @@ def project(tmp_path):
     (tmp_path / "tests/wrong_answers/01_double.py").write_text(WRONG)
     entry = {"meaning": "Reachability.", "symbol": "p", "unit": "none"}
     (tmp_path / "solutions/glossary.json").write_text(json.dumps({"RE": entry}))
-    for folder in ("notebooks", "solutions"):
-        (tmp_path / folder / "README.md").write_text(f"# By hand\n\n{MADE}\n\nold\n")
+    for name in ("notebooks/README.md", "solutions/REFERENCE.md"):
+        (tmp_path / name).write_text(f"# By hand\n\n{MADE}\n\nold\n")
     return tmp_path
 
 
@@ -117,12 +119,27 @@ def test_what_is_written_by_hand_stays(project):
 
 def test_the_pages_of_the_course_are_those_of_its_sources():
     sources = sorted((PROJECT / "solutions").glob("[0-9][0-9]_*.py"))
-    for folder, page in (
-        ("notebooks", lambda top: students_page(sources, top)),
-        ("solutions", lambda top: teachers_page(sources, PROJECT / "tests/wrong_answers", top)),
+    wrong_answers = PROJECT / "tests/wrong_answers"
+    for name, page in (
+        ("notebooks/README.md", lambda top: students_page(sources, top)),
+        ("solutions/REFERENCE.md", lambda top: teachers_page(sources, wrong_answers, top)),
     ):
-        text = (PROJECT / folder / "README.md").read_text(encoding="utf-8")
+        text = (PROJECT / name).read_text(encoding="utf-8")
         assert text == page(text[: text.index(MADE) + len(MADE)]), "python -m tutorial_lib build"
+
+
+def test_a_teacher_finds_a_plan_for_each_notebook_with_its_minutes_and_sections():
+    text = (PROJECT / "solutions/README.md").read_text(encoding="utf-8")
+    plans = dict(re.findall(r"^### (\d\d · .+? \(\d+ minutes\))\n(.+?)(?=^##)", text, re.M | re.S))
+    for source in sorted((PROJECT / "solutions").glob("[0-9][0-9]_*.py")):
+        heading = f"{title_of(source)} ({minutes_of(source) or 10} minutes)"
+        plan = plans.pop(heading)
+        for part in ("**Vote**", "**Misconceptions.**", "**Discuss**"):
+            assert part in plan, heading
+        known = set(re.findall(r"^# ## (\d+) · ", source.read_text(encoding="utf-8"), re.M))
+        named = set(re.findall(r"(?:^|· )(\d+)(?=[–\d]* )", plan.split("- **Vote**")[0]))
+        assert named <= known or not known, heading
+    assert not plans
 
 
 def test_the_thresholds_of_the_glossary_are_those_of_the_library():

@@ -1,7 +1,8 @@
 """The pages for students and teachers, made from the notebooks' sources.
 
-``notebooks/README.md`` is the map of the course and the glossary; ``solutions/README.md`` has what
-a teacher needs: goals, minutes, open questions with their answers, mistakes with the check's words.
+``notebooks/README.md`` is the map of the course and the glossary; ``solutions/REFERENCE.md`` has
+goals, minutes, open questions with their answers, and mistakes with the check's words. What a
+teacher reads first, ``solutions/README.md``, is written by hand.
 """
 
 import ast
@@ -32,11 +33,12 @@ def write_guides(project: Path) -> list[Path]:
     """
     sources = sorted((project / "solutions").glob("[0-9][0-9]_*.py"))
     written = []
-    for folder, page in (
-        ("notebooks", lambda top: students_page(sources, top)),
-        ("solutions", lambda top: teachers_page(sources, project / "tests" / "wrong_answers", top)),
+    wrong_answers = project / "tests" / "wrong_answers"
+    for name, page in (
+        ("notebooks/README.md", lambda top: students_page(sources, top)),
+        ("solutions/REFERENCE.md", lambda top: teachers_page(sources, wrong_answers, top)),
     ):
-        file = project / folder / "README.md"
+        file = project / name
         top, mark, _ = file.read_text(encoding="utf-8").partition(MADE)
         if not mark:
             raise InputError(f"{file}: no line {MADE!r}; what stands below it is made by the build")
