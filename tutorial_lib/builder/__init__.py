@@ -20,6 +20,7 @@ from tutorial_lib.builder.notebooks import (
     to_text,
     unmarked,
 )
+from tutorial_lib.builder.slides import write_slides
 
 __all__ = [
     "LARGEST",
@@ -38,4 +39,5 @@ __all__ = [
     "to_text",
     "unmarked",
     "write_guides",
+    "write_slides",
 ]

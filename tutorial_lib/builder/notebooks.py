@@ -10,7 +10,7 @@ import ast
 import hashlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from textwrap import dedent, fill
 
@@ -154,8 +154,13 @@ def unmarked(code: str) -> str:
     return "\n".join(line for line in code.splitlines() if line.strip() not in (BEGIN, END))
 
 
-def execute(notebook: NotebookNode, folder: Path) -> None:
+def execute(notebook: NotebookNode, folder: Path, env: Mapping[str, str] | None = None) -> None:
     """Run every cell in `folder`, and keep the outputs and on what kind of processor they came.
+
+    Args:
+        notebook: gets its outputs.
+        folder: to run in.
+        env: variables of the environment that differ from those of a page that is stored.
 
     Raises:
         InputError: when a cell raises.
@@ -169,7 +174,7 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         resources={"metadata": {"path": str(folder)}},
     )
     try:
-        client.execute(env={**os.environ, **_STORED})
+        client.execute(env={**os.environ, **_STORED, **(env or {})})
     except CellExecutionError as error:
         raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:

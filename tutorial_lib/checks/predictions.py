@@ -21,11 +21,12 @@ from tutorial_lib.checks.robot import robot_name
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import instance, instances, one_of
 from tutorial_lib.viz.canvas.given import Picture, picture_of
-from tutorial_lib.viz.figures.panels import line_of_text, stacked
+from tutorial_lib.viz.figures.panels import TITLE, line_of_text, stacked
 from tutorial_lib.viz.notebook.display import STATIC
 from tutorial_lib.viz.notebook.widgets import PressPanel
 
 _LETTER = 8  # pixels of a letter of a static picture's text
+_GAP = 4  # pixels between a static picture and its text
 _NARROWEST = 560  # pixels of a static picture, or its text would be cut into too many lines
 
 
@@ -145,6 +146,16 @@ class Prediction:
         lines = self.text.split("\n") if told else [self.ask, *self._listed(), *self._answer()]
         picture = self.render() if told else self._answer_picture
         wide = max(picture.shape[1], _NARROWEST)
-        short = [part for line in lines for part in wrap(line, wide // _LETTER)]
-        text = np.concatenate([line_of_text(line, wide) for line in short])
-        return stacked([picture, text], gap=4)
+        text = np.concatenate([line_of_text(line, wide) for line in _fitted(lines, wide)])
+        return stacked([picture, text], gap=_GAP)
+
+
+def without_text(still: Picture, text: str) -> Picture:
+    """The picture of a prediction's static page without the text that stands below it."""
+    lines = len(_fitted(text.split("\n"), still.shape[1]))
+    return still[: len(still) - lines * TITLE - _GAP]
+
+
+def _fitted(lines: list[str], width: int) -> list[str]:
+    """Lines that are cut where they would not fit into so many pixels."""
+    return [part for line in lines for part in wrap(line, width // _LETTER)]

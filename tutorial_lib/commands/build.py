@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
-from tutorial_lib.builder import build, write_guides
+from tutorial_lib.builder import build, write_guides, write_slides
 from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.course import is_checkout
 from tutorial_lib.errors import InputError
+from tutorial_lib.files import make_folder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,6 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
     parser.add_argument(
         "--students", action="store_true", help="only what students get; runs nothing"
+    )
+    parser.add_argument(
+        "--slides",
+        metavar="DIR",
+        type=Path,
+        help="write slides there instead, an HTML file each; runs every notebook",
     )
 
 
@@ -26,8 +34,14 @@ def run(options: argparse.Namespace) -> int:
     for name in options.names:
         if name not in known:
             raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
+    names = options.names or known
+    if options.slides is not None:
+        make_folder(options.slides)
+        for name in names:
+            print(f"wrote {write_slides(known[name], options.slides)}")
+        return 0
     print(*(f"wrote {file.relative_to(PROJECT)}" for file in write_guides(PROJECT)), sep="\n")
-    for name in options.names or known:
+    for name in names:
         for file in build(known[name], PROJECT, students_only=options.students):
             print(f"wrote {file.relative_to(PROJECT)}")
     return 0
