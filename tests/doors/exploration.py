@@ -115,7 +115,6 @@ DOORS = {
         task().carry,
         poses=floats(GOALS, ("N", 3), refuses="longer N, shorter N, empty"),
     ),
-    "ExplorationTask.rebuild": lambda: call(task().rebuild, anything, scenes=a(task().scenes)),
     "ExplorationTask.goals": lambda: call(
         task().goals, anything, robots=integers([0], ("M",), least=0, most=1, optional=True)
     ),

@@ -294,28 +294,3 @@ def test_wrong_input_is_refused(scenes, episodes):
     for actions in (np.full(24, 4), np.zeros(3, int), np.full(24, -1)):
         with pytest.raises(InputError, match=r"actions: .*give whole numbers"):
             task.step(actions)
-
-
-def test_a_world_changes_and_who_stands_in_the_way_is_pushed_aside_unnoticed():
-    task = in_a_hall(2, goal=(30.0, 20.0, 0.0), noise=False)
-    apart = np.array([[20.0, 20.0, 0.3], [10.0, 20.0, 0.0]])
-    task.carry(apart)
-    seen = task.observe()
-    task.rebuild({"hall": Scene(make_box(40.0, 40.0, pillars=[(20.0, 20.0, 1.0)]))})
-    moved = np.linalg.norm(task.poses[:, :2] - apart[:, :2], axis=1)
-    assert 1.0 + RADIUS - 0.1 < moved[0] < 1.6
-    assert moved[1] == 0.0
-    assert np.array_equal(task.poses[:, 2], apart[:, 2])
-    now = task.observe()
-    assert np.array_equal(now.odometry, seen.odometry)
-    assert not np.array_equal(now.depth[1], seen.depth[1])  # the second one sees the pillar
-    task.carry(apart[[1, 1]])
-    task.step([FORWARD, FORWARD])
-    for _ in range(60):
-        task.step([FORWARD, FORWARD])
-    assert task.poses[:, 0].max() < 19.0 - RADIUS + 0.02  # and runs into it
-
-
-def test_all_worlds_are_given_when_one_changes():
-    with pytest.raises(InputError, match="scenes: without hall"):
-        in_a_hall(1).rebuild({"house": Scene(make_box())})

@@ -238,30 +238,6 @@ class ExplorationTask:
         self._stale[:] = True
         self.path.append(self.poses)
 
-    def rebuild(self, scenes: Mapping[str, Scene]) -> None:
-        """Let worlds change while the robots stand still.
-
-        A robot that stands where something is put is pushed to the nearest free place; its odometry
-        does not notice.
-
-        Args:
-            scenes: all worlds by name, as they are from now on.
-
-        Raises:
-            InputError: when a world is missing.
-        """
-        missing = sorted(set(self.episodes.worlds) - instance("scenes", scenes, Mapping).keys())
-        if missing:
-            raise InputError(f"scenes: without {', '.join(missing)}; give all worlds")
-        for name, scene in scenes.items():
-            instance(f"scenes: {name}", scene, Scene)
-        self.scenes, self._rows = scenes, _rows_by_scene(scenes, self.episodes.worlds)
-        poses = self.poses.copy()
-        for scene, rows in self._rows:
-            caught = rows[scene.clearance.at(poses[rows, :2]) < DifferentialDrive.radius]
-            poses[caught, :2] = _nearest_free(GridPaths(scene.clearance), poses[caught, :2])
-        self.carry(poses)
-
     def _end(self, running: NDArray[np.bool_], stops: NDArray[np.bool_]) -> None:
         """Mark finished episodes and successes."""
         near = np.linalg.norm(self.poses[:, :2] - self._goals[:, :2], axis=1) < SUCCESS
@@ -308,19 +284,13 @@ def _shortest(scene: Scene, starts: Array, goals: Array) -> Array:
     metres = paths.between(starts, goals)
     cut = np.flatnonzero(~np.isfinite(metres))
     if len(cut):
-        free = _nearest_free(paths, starts[cut])
-        gaps = np.linalg.norm(free - starts[cut], axis=1)
-        metres[cut] = gaps + paths.between(free, goals[cut])
+        points = paths.points[paths.largest]
+        gaps = np.linalg.norm(points[:, None] - starts[cut], axis=2)
+        metres[cut] = gaps.min(axis=0) + paths.between(points[gaps.argmin(axis=0)], goals[cut])
     if not np.isfinite(metres).all():
         lost = goals[~np.isfinite(metres)].tolist()
         raise InputError(f"goals: no path leads to {lost}; choose other places")
     return metres
-
-
-def _nearest_free(paths: GridPaths, places: Array) -> Array:
-    """The places (N, 2) of the largest part that are nearest to others (N, 2)."""
-    points = paths.points[paths.largest]
-    return points[np.linalg.norm(points[:, None] - places, axis=2).argmin(axis=0)]
 
 
 def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:

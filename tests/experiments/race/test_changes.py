@@ -3,10 +3,15 @@
 import numpy as np
 import pytest
 
+from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.race.changes import MOVED, changed
+from tutorial_lib.experiments.race.changing_task import ChangingTask
 from tutorial_lib.experiments.race.ten_visits import Settings, draw_lives
-from tutorial_lib.exploration.episodes import exploration_world
+from tutorial_lib.exploration.episodes import Episodes, exploration_world
+from tutorial_lib.world.bodies import DifferentialDrive
+from tutorial_lib.world.noise import FORWARD
+from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of
 
 
@@ -70,3 +75,22 @@ def test_the_same_seed_changes_it_the_same(office):
 def test_a_building_without_a_detour_does_not_change():
     scene = scene_of(exploration_world(10_004))
     assert changed(scene, stops_in(scene, 1), np.random.default_rng(0)) is None
+
+
+def test_who_stands_in_the_way_is_pushed_aside_unnoticed_and_the_others_see_it():
+    scene = Scene(make_box(40.0, 40.0))
+    starts = np.array([[20.0, 20.0, 0.3], [10.0, 20.0, 0.0]])
+    goals, far = np.tile([30.0, 20.0, 0.0], (2, 1)), np.array([10.0, 20.0])
+    episodes = Episodes(("hall",) * 2, starts, goals, far, ("",) * 2)
+    task = ChangingTask({"hall": scene}, episodes, np.random.default_rng(0), noise=False)
+    seen = task.observe()
+    task.rebuild(Scene(make_box(40.0, 40.0, pillars=[(20.0, 20.0, 1.0)])))
+    moved = np.linalg.norm(task.poses[:, :2] - starts[:, :2], axis=1)
+    assert 1.0 + DifferentialDrive.radius - 0.1 < moved[0] < 1.6
+    assert moved[1] == 0.0
+    now = task.observe()
+    assert np.array_equal(now.odometry, seen.odometry)
+    assert not np.array_equal(now.depth[1], seen.depth[1])
+    for _ in range(60):
+        task.step([FORWARD, FORWARD])
+    assert task.poses[1, 0] < 19.0 - DifferentialDrive.radius + 0.02  # stopped by the pillar
