@@ -26,8 +26,8 @@ from tutorial_lib.experiments.race.changing_task import ChangingTask
 from tutorial_lib.experiments.race.relocations import Relocations
 from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, own_runner
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
-from tutorial_lib.geometry import Array
 from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import SequentialExplorer
 from tutorial_lib.parallel import for_each
 from tutorial_lib.se2 import wrap
