@@ -77,7 +77,7 @@ def test_a_building_without_a_detour_does_not_change():
     assert changed(scene, stops_in(scene, 1), np.random.default_rng(0)) is None
 
 
-def test_who_stands_in_the_way_is_pushed_aside_unnoticed_and_the_others_see_it():
+def test_a_robot_in_the_way_is_pushed_aside_unnoticed_and_the_others_see_the_change():
     scene = Scene(make_box(40.0, 40.0))
     starts = np.array([[20.0, 20.0, 0.3], [10.0, 20.0, 0.0]])
     goals, far = np.tile([30.0, 20.0, 0.0], (2, 1)), np.array([10.0, 20.0])
