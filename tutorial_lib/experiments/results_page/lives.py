@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.race.ten_visits import PARTS
+from tutorial_lib.experiments.race.ten_visits import CHANGED, PARTS, STAYS
 from tutorial_lib.experiments.results_page.markdown import Row, interval, percent
 from tutorial_lib.experiments.results_page.tables import (
     Text,
@@ -60,6 +60,26 @@ def carried(rows: Rows) -> str:
         ("found again", lambda row: _soon(row, "again")),
         ("the same, put down where it had been", lambda row: _soon(row, "again_known")),
         ("wrongly", lambda row: percent(row["again_wrong"])),
+    )
+
+
+def changed(rows: Rows) -> str:
+    """Lives in a building that changes, beside the same lives where it stays."""
+    later = matching(rows, visits=LAST)
+
+    def beside(kind: str) -> Text:
+        def text(row: Row) -> str:
+            found = one(later, agent=row["agent"], building=kind)
+            return f"{success(found)}, SPL {found['spl']:.2f}"
+
+        return text
+
+    return listing(
+        matching(later, building=CHANGED),
+        ("agent", lambda row: AGENTS[row["agent"]]),
+        (f"the building stays, visits {LAST}", beside(STAYS)),
+        (f"it changes, visits {LAST}", beside(CHANGED)),
+        ("stays - changes", _gap),
     )
 
 
