@@ -594,7 +594,7 @@ display(corner)
 #
 # ## 6 · Which point?
 #
-# The network learns from examples, and each example needs a [[label]]: the right waypoint. There's a recorded drive and, in simulation, a map. Here's the rule of the authors' code:
+# The network learns from examples, and each example needs a [[label]]: the right waypoint. There's a recorded drive and, in simulation, a map. The authors' code has this rule:
 #
 # - the waypoint is **the farthest point of the trajectory, up to the target, that's in clear sight**: a straight line leads there and keeps 6 cm from every wall;
 # - a target at or before the start (`target <= source`) is its own waypoint, in sight or not;
