@@ -3,7 +3,7 @@
 #
 # **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the door to the hallway, and you hold up a photo that was taken in there. All it has is two images. *Which way should it steer?*
 #
-# You'll write what turns images into steering, in two sittings. First a driver that pulls, pushes and keeps off the walls. Then a network that looks, trained by your own loop in ten seconds. At the end your robot drives to what a photo shows. Nearly always.
+# You'll write what turns images into steering, in two sittings. First comes a driver that pulls, pushes and keeps off the walls. Then comes a network that looks: your own loop trains it in ten seconds. At the end your robot drives to what a photo shows, nearly always.
 
 # %% hidden=true
 # What the robot sees, and the photo (about 10 s)
@@ -149,16 +149,16 @@ steer = Prediction(
     right="A",
     robot=f"it doesn't move. It has both images, and no code that compares them. The photo was "
     f"taken {ahead:.1f} m ahead and {abs(left):.1f} m to the {'left' if left > 0 else 'right'}.",
-    tempting="B",
-    because="the hallway opens up in the middle of the photo. But find its dark far end: the robot has "
-    "that on its left.",
+    tempting="C",
+    because="there's orange on the photo's left, and so you'd pass the orange ahead on its "
+    "right. But that's another wall. Find the hallway's dark far end: the robot has it on its left.",
     before=pair,
     after=side_by_side([pair, plan_of_pair()], gap=10),
 )
 display(steer)
 
 # %% [markdown]
-# **120 minutes.** Two sittings: 50 for sections 1 to 5, and 70 for the rest. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** There are two sittings, of 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -180,7 +180,7 @@ display(steer)
 #
 # $$ \mathcal C(o_\text{current}, o_\text{target}) \;=\; \mathcal C_{RMP}\bigl(\mathcal C_{WP}(o_\text{current}, o_\text{target})\bigr). $$
 #
-# $\mathcal C_{WP}$ is a network: two images in, a [[waypoint]] $(x, y)$ in the robot's frame out. It knows nothing of wheels. $\mathcal C_{RMP}$ drives to the waypoint by the laser, and it knows nothing of images. The waypoint is only a hint, and a new one comes ten times a second.
+# $\mathcal C_{WP}$ is a network: two images in, a [[waypoint]] $(x, y)$ in the robot's frame out. It knows nothing of wheels. $\mathcal C_{RMP}$ drives to the waypoint by laser, and it knows nothing of images. The waypoint is only a hint, and a new one comes ten times a second.
 #
 # You build the driver first. So for this sitting somebody *tells* the robot where its target is: an [[oracle]] gives the waypoint.
 #
@@ -234,7 +234,7 @@ picture = track_picture(view.base.copy(), track, door_goal)
 show(side_by_side([closeup(view, picture, near_door, 0.35)], [ending], height=430))
 
 # %% [markdown]
-# So something must push it off the wall. The classic recipe adds up forces, and it has a classic flaw: a wall far away still tugs at the sum, and a push that's right *beside* a wall is wrong in front of it. So each wish should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
+# So something must push it off the wall. The classic recipe adds up forces, and it has two flaws. A distant wall still tugs at the sum. And the push that stops a car *in front of* a wall disturbs it *next to* one. So each wish should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
 #
 # - an acceleration $a$: *what it wants*;
 # - a [[metric]] $M$, a symmetric matrix: *how much it matters, and in which directions*.
@@ -272,7 +272,7 @@ def goal_policy(offsets, velocities, gain, damping, near):
 goal_policy = check_goal_policy.use(goal_policy)
 
 # %% [markdown]
-# An **obstacle policy** knows one number, the distance $d$ to one laser point. It wants away, the more so the nearer the point and the faster the distance shrinks (at $c$ m/s). Its metric is large only nearby:
+# An **obstacle policy** knows one laser point: its distance $d$, and how fast that shrinks ($c$, in m/s). It pushes away, and harder when the point is near or comes nearer fast. Its metric is large only nearby:
 #
 # $$ \ddot d = \frac{p + b\,\max(c, 0)}{d}, \qquad m = w\,e^{-d/\ell} . $$
 #
@@ -306,11 +306,11 @@ def obstacle_policy(distances, closing, push, brake, weight, fade):
 obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 
 # %% [markdown]
-# Each policy speaks of its own quantity: a point of the car, a distance. But the robot can change only its two *controls*. The derivative of a quantity by the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted with the metrics:
+# Each policy speaks of its own quantity: a point of the car, a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted with the metrics:
 #
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
-# $J^{\top} M a$ is a policy's *force* on the controls, and $J^{\top} M J$ its metric there. To compute both is the **pullback**; to sum and solve is to **resolve**. Where nobody has a weight in some direction, the sum is singular. So $10^{-6}$ is added to its diagonal, which means *then do nothing*.
+# $J^{\top} M a$ is a policy's *force* on the controls, and $J^{\top} M J$ its metric there. To compute both is the **pullback**; to sum and solve is to **resolve**. Where no policy weights a direction, the sum is singular. So you add $10^{-6}$ to its diagonal, and nothing moves in that direction.
 #
 # ### Exercise 3 · `resolve` (medium, 12 minutes)
 #
@@ -342,7 +342,7 @@ resolve = check_resolve.use(resolve)
 # %% [markdown]
 # ## 3 · What the walls say
 #
-# First the simplest robot, a disc that can be pushed in any direction: the Jacobian of its position is the identity. Your functions are asked at every point of a grid. Arrows are the accelerations, ellipses the sum of the metrics, *long in the directions that matter*. Watch what the ellipses do beside a wall.
+# First take the simplest robot, a disc that you can push in any direction: the Jacobian of its position is the identity. Your functions answer at every point of a grid. Arrows show accelerations, and ellipses show summed metrics, *long in the directions that matter*. Watch what the ellipses do beside a wall.
 
 # %%
 beam_angles = full_circle(96)
@@ -408,7 +408,7 @@ show(
 #
 # $$ \begin{pmatrix}\dot x\\ \dot y\end{pmatrix} = \begin{pmatrix}1 & -p_y\\ 0 & p_x\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}, \qquad \omega = \frac{v}{L}\tan\delta . $$
 #
-# The point's Jacobian is this matrix (`point_jacobian`) times the derivative of $(v, \omega)$ by the controls (`control_jacobian`). The goal policy pulls the car's *nose*, and each laser point pushes four discs that cover the car.
+# The point's Jacobian is this matrix (`point_jacobian`) times that of $(v, \omega)$ (`control_jacobian`). The goal policy pulls the car's *nose*, and each laser point pushes four discs that cover the car.
 
 # %%
 nose = np.array([0.36, 0.0])
@@ -471,7 +471,7 @@ post = Prediction(
 display(post)
 
 # %% [markdown]
-# Now you: is there a push that makes up for a small weight? And what does the gain change, the path or the time?
+# Now you: does the car ever get through without a push? And what does the gain change, the path or the time?
 
 # %% hidden=true
 # The car drives through the door by your functions, with sliders
@@ -485,14 +485,14 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
-# Over a wide range of push and weight, the car passes the post on much the same path: a metric that fades with distance makes the numbers uncritical. With a large weight it gets through even without a push, since the brake alone holds it off. The gain changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4 and only 0.2 m/s at 0.6.
+# From a weight of 0.6 on it does, since the brake alone holds it off. Otherwise push and weight hardly matter, as long as neither is zero: the metric fades with distance, and so the car passes the post on much the same path. The gain changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4. At 0.6 it's only 0.2 m/s, and time runs out.
 # </details>
 #
 # ## 4 · Half a metre back
 #
-# Your car only drives forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse, and it turns in several moves where one arc is too tight.
+# Your car only drives forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse. Where one arc is too tight, it turns in several moves.
 #
-# Is that worth it? An [[episode]] has a start and a target. One drive of a controller in an episode is a [[rollout]]. Here are episodes whose target is up to a metre *behind* the car, for a car that never reverses, and for one that may. An oracle tells both where the target is.
+# Is that worth it? An [[episode]] has a start and a target. One drive of a controller in an episode is a [[rollout]]. Here two cars drive episodes whose target is up to a metre *behind* them: one car never reverses, the other may. An oracle tells them where it is.
 
 
 # %% hidden=true
@@ -549,11 +549,11 @@ for name, rollouts in results.items():
 show(side_by_side(panels, titles, height=400))
 
 # %% [markdown]
-# A car that never reverses must turn round first. That takes time and 1.6 m of width, and few places in a flat have them. This is a fact about the *body*; no network can make up for it.
+# A car that never reverses must turn round first. That takes 1.6 m of width, and few places in a flat have it. This is a fact about the *body*; no network can make up for it.
 #
 # ## 5 · Round the corner
 #
-# Your driver gets through a door. Now the target is in another room, round the corner. It isn't in sight, but the oracle says where it is, and the arrows are your own functions'.
+# Your driver gets through a door. Now the target is in another room, round the corner. It isn't in sight, but the oracle says where it is. Your own functions draw the arrows.
 
 # %% hidden=true
 # A target round the corner
@@ -584,7 +584,7 @@ corner = Prediction(
 display(corner)
 
 # %% [markdown]
-# The pull points through the wall, the wall pushes back, and the two balance: a **local minimum**. A driver that reacts doesn't search. So whoever gives the waypoint must give one to which a *straight line* leads.
+# The pull points through the wall, the wall pushes back, and the two balance: a **local minimum**. A driver that only reacts doesn't search. So a *straight line* must lead to the waypoint.
 #
 # ---
 #
@@ -594,7 +594,7 @@ display(corner)
 #
 # ## 6 · Which point?
 #
-# The network learns from examples, and each example needs a [[label]]: the right waypoint. There's a recorded drive and, in simulation, a map. The rule, that of the authors' code:
+# The network learns from examples, and each example needs a [[label]]: the right waypoint. There's a recorded drive and, in simulation, a map. The authors' code has this rule:
 #
 # - the waypoint is **the farthest point of the trajectory, up to the target, that's in clear sight**: a straight line leads there and keeps 6 cm from every wall;
 # - a target at or before the start (`target <= source`) is its own waypoint, in sight or not;
@@ -604,7 +604,7 @@ display(corner)
 #
 # ### Exercise 4 · `waypoint_label` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the trajectory: the frame with the largest index. A point may be hidden by a post while a later one is in sight again.</details>
+# <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the trajectory: the point with the largest index. A point may be hidden by a post while a later one is in sight again.</details>
 # <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], find with sees(start[:2], points) which of them are in clear sight, and use the last one. If there is none, return None: such a pair is discarded.</details>
 # <details><summary>Hint 3: one line</summary><code>np.flatnonzero(flags)</code> gives the indices of the True ones; the last of them is index −1, if there is any. <code>to_local(start, point)</code> from the library gives a point as seen from the start.</details>
 
@@ -613,9 +613,9 @@ display(corner)
 def waypoint_label(start, track, source, target, sees):
     """The farthest point of a trajectory in clear sight, in the start's frame.
 
-    start: (3,) pose beside the trajectory's frame `source`. track: (T, 3)
-    poses of the trajectory.
-    source, target: indices of frames; candidates are source + 1 to target,
+    start: (3,) pose beside track[source]. track: (T, 3) poses of the
+    trajectory.
+    source, target: indices into track; candidates are source + 1 to target,
     both included.
     sees: sees(place (2,), points (C, 2)) returns which points are in clear
     sight, (C,) bool.
@@ -635,7 +635,7 @@ def waypoint_label(start, track, source, target, sees):
 waypoint_label = check_waypoint_label.use(waypoint_label)
 
 # %% [markdown]
-# Five starts beside a recorded drive, each moved aside by some 0.3 m and turned by some 9 degrees, so that the network also learns from views *off* the trajectory. The target is round the corner.
+# Here are five starts next to a recorded drive. Each is moved by some 0.3 m and turned by some 9 degrees, so that the network also learns from views *off* the trajectory. The target is round the corner.
 
 # %% hidden=true
 # Waypoint labels of five starts before a corner
@@ -706,11 +706,11 @@ labels = Prediction(
 display(labels)
 
 # %% [markdown]
-# Some lines pass the corner at 6 cm, and the car is 24 cm wide. That's no mistake: to keep off the wall is the driver's job.
+# Some lines pass the corner at 6 cm, and the car is 24 cm wide. That's no mistake: keeping off the wall is the driver's job.
 #
 # ### How much do two images share?
 #
-# The network also learns the [[mutual overlap]]: how much of one camera's view the other camera sees, too, in both directions. Cast 100 rays from one camera; count the points on walls that lie in the other's view, with nothing in between. Here one camera stands 1.5 m behind the other.
+# The network also learns the [[mutual overlap]]: how much of one camera's view the other camera sees, in both directions. Cast 100 rays from one camera; count the points on walls that lie in the other's view, with nothing in between. Here one camera stands 1.5 m behind the other.
 
 # %% hidden=true
 # What the rear and the front camera see of each other's view
@@ -746,15 +746,15 @@ print(f"the library returns {by_library[0]:.0%} and {by_library[1]:.0%}")
 show(side_by_side(panels, titles, height=420))
 
 # %% [markdown]
-# What lies before both is most of what the front camera sees; the rear one sees the walls beside it, too. So *two* numbers tell which camera is ahead. One couldn't.
+# Most of what the front camera sees lies before both; the rear one also sees the walls next to it. So *two* numbers tell which camera is ahead. One couldn't.
 #
 # ## 7 · Two images, column by column
 #
-# A recorded drive holds more than one photo of the target: it has the images shortly before and after, too. They show more of the room, and where the drive went on. The target *with its [[context]]* is
+# A recorded drive holds more than one photo of the target: it also has the images from shortly before and after. They show more of the room, and where the drive went. The target *with its [[context]]* is
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ images} = 0.3\ \text{s}, $$
 #
-# $2k+1$ images; with $k = 0$ it's the single one. Here's the photo from the door, with $k = 2$.
+# $2k+1$ images; with $k = 0$ it's the single one. Here's the first photo, with $k = 2$.
 
 # %% hidden=true
 # The photo, and its context
@@ -766,9 +766,9 @@ show(side_by_side(images, names, gap=6))
 # %% [markdown]
 # ### Do half of the work once
 #
-# Four words first. A *layer* multiplies its input by weights and adds up. A *convolution* is a layer with the same weights at every position of an image. An [[encoder]] is a few layers that turn an image into a list of numbers that describes it. The [[loss]] is the error that training reduces.
+# Four words first. A *layer* multiplies its input by weights and adds up. A *convolution* is a layer with the same weights at every position of an image. An [[encoder]] is a few layers that turn an image into a list of numbers. The [[loss]] is the error that training reduces.
 #
-# The paper stacks *nine* channels, the current image, the target and their difference, and feeds them to convolutions. The first layer is *linear*: with $A$, $B$, $D$ the weights of the three parts it computes
+# The paper stacks *nine* colour channels, three each of the current image, the target and their difference, and feeds them to convolutions. The first layer is *linear*: with $A$, $B$, $D$ the weights of the three parts it computes
 #
 # $$ A\,\text{cur} + B\,\text{tgt} + D\,(\text{cur} - \text{tgt}) . $$
 #
@@ -796,7 +796,7 @@ counts = [(k, 9 * (2 * k + 1), 3 * (2 * k + 2), 3) for k in (0, 2, 5)]
 table(
     {"k": "d", "stacked": ".2f", "split": ".2f", "split and cached": ".2f", "times fewer": ".0f"},
     [[k, *(each * n for n in numbers), numbers[0] / numbers[2]] for k, *numbers in counts],
-    caption="Million multiplications of the first layer for one query",
+    caption="Million multiplications of the first layer for one waypoint",
 )
 
 # %% [markdown]
@@ -804,12 +804,12 @@ table(
 #
 # Stacking compares what lies at the *same position* in both images. But when the car turns, everything moves sideways by many columns. So our networks have another encoder ([`learning/encoders.py`](../tutorial_lib/learning/encoders.py)). Both images become 32 columns of numbers, and **every column of one is compared with every column of the other**. The table of 32 × 32 similarities is the [[correlation volume]]. A *softmax* turns each of its rows into shares that add up to 1, and they show where a column reappears.
 #
-# Nobody gives the network labels for columns. It learns waypoints, headings and overlaps, and it matches because that helps.
+# Nobody gives the network labels for columns. It learns waypoints, headings and overlaps, and it matches columns because that helps.
 #
-# Below, rows are the columns of the current image, left to right; columns are those of the target. Dark is the network's match, orange dots the truth. The first pair is one image twice.
+# Below, each row of a table is a column of the current image, the leftmost on top; each column is one of the target's. Dark blue is the network's match, and orange dots are the truth. The first pair is one image twice.
 
 # %% hidden=true
-# The network's matches (dark) and the true ones (orange) for four pairs of images
+# The network's matches (blue) and the true ones (orange) for four pairs of images
 pretrained = WaypointNetwork("waypoint_k2")
 
 
@@ -870,13 +870,13 @@ display(columns)
 # %% [markdown]
 # Rows without a dot show what isn't in the other image. A plain wall gives a pale smear, since one piece of it looks like the next. Repeated furniture gives a second line, and a chance of a wrong match.
 #
-# Is it worth it? We trained four encoders alike, for a few minutes each: this one, the paper's in small, and the two that the paper found worse. This one reaches [far more targets](../tutorial_lib/results/README.md#table-i-ablations); whether the paper's in full size would catch up, nobody has measured.
+# Is it worth it? We trained four encoders the same way, for a few minutes each: this one, a small copy of the paper's, and the two that the paper found worse. This one reaches [far more targets](../tutorial_lib/results/README.md#table-i-ablations); nobody has measured whether the paper's would catch up at full size.
 #
 # ## 8 · Ten seconds of school
 #
-# For each pair of images the network learns the waypoint, cosine and sine of the difference in heading, and the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks took less than an hour each, in 120 worlds. You write that loop in small and make it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
+# For each pair of images the network learns the waypoint, cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks took less than an hour each, in 120 worlds. You write a small version of that loop, and make it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
 #
-# The test is 40 episodes: each starts beside a drive, up to 1 m aside and turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before it has learnt anything, the network drives like this:
+# The test is 40 episodes: each starts up to 1 m to the side of a drive, turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before it has learnt anything, the network drives like this:
 
 
 # %% hidden=true
@@ -935,7 +935,7 @@ show(stacked([stacked([panel], [title]), outcome_legend()], gap=4))
 # A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. How far is decided by the *optimizer* and its [[learning rate]] $\eta$. The loop has seven rules:
 #
 # 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
-# 2. **The learning rate is set before every step.** It rises in $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, and then decays along half a cosine:
+# 2. **The learning rate is set before every step.** It rises over $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, and then decays along half a cosine:
 #    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
 # 3. **Gradients don't add up**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that's longer than `max_norm` is shortened to it; others stay as they are. This is called *clipping*.
 # 4. **Evaluate** after every `eval_interval` steps, and after the last step in any case: `validate(network)` returns the loss on pairs that the network doesn't learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it's in training mode, `network.train()`.
@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network: 400 steps of 64 pairs each. Watch the validation loss; it takes about 10 s. (The training loss, printed afterwards, is larger: it also counts how well the pose of the target's camera is predicted.)
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It falls little: even a perfect network keeps about 1, from the overlaps. The training loss, printed afterwards, is larger: there the network must also say where the photo was taken.
 
 # %%
 training_pairs = Source(
@@ -1095,12 +1095,12 @@ for name, network in (("your 400 steps", learnt), ("pretrained, k = 2", pretrain
 
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
-# Some of it is useless anywhere else: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why it learns from so little. What 120 worlds add is precision, and that it copes with colours, turns and hidden targets which one flat doesn't have.
+# Some of it is useless anywhere else: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why it learns from so little. What 120 worlds add is precision, and practice with colours, turns and hidden targets that one flat doesn't have.
 # </details>
 #
 # ## 9 · The photo at the door
 #
-# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to its waypoint. Watch whether the waypoint stays where it is.
+# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to its waypoint. Watch whether the waypoint stays put.
 
 # %% hidden=true
 # Film: the robot drives to the photo, from above and as it sees
@@ -1136,7 +1136,7 @@ play(film, 5, 2 * STEP * np.arange(len(film)), count=3)
 # %% [markdown]
 # **Your robot drives to a photo.** No map, no coordinates, no oracle: a network that looks, and a driver that keeps off the walls.
 #
-# And the two don't know each other. Give the same network to a round robot that can turn in place; only $\mathcal C_{RMP}$ is exchanged, nothing is trained again. For comparison an oracle drives both, too.
+# And the two don't know each other. Give the same network to a round robot that can turn in place; only $\mathcal C_{RMP}$ is exchanged, nothing is trained again. For comparison, an oracle drives both.
 
 # %% hidden=true
 # A car and a round robot, driven by the same network
@@ -1152,7 +1152,7 @@ table({"body": "", "by camera": "d", "by the oracle": "d"}, rows, caption=captio
 
 # %% [markdown]
 # <details><summary>Why isn't the round robot better, since it can turn in place?</summary>
-# With the oracle either body reaches nearly every target, so the body isn't the cause. What's missing is due to waypoints, and turning in place doesn't mend a wrong waypoint. The network was trained on starts beside drives of a <i>car</i>. A robot that turns in place soon looks where no training image was taken.
+# With the oracle either body reaches every target, so the body isn't the cause. What's missing is due to waypoints, and turning in place doesn't mend a wrong waypoint. The network was trained on starts beside drives of a <i>car</i>. A robot that turns in place soon looks where no training image was taken.
 # </details>
 #
 # ### Find the bug
@@ -1175,12 +1175,12 @@ show(side_by_side([camera_picture(image, 180) for image in images], names, gap=6
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# The recording is many drives laid end to end. Near the end of one, the frames "after" the target belong to the <i>next</i> drive, somewhere else in the flat: the last images show another room. The frames must be clipped to the target's own trajectory, whose last frame is repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Bugs in data don't crash. Look at a few of the network's actual inputs, and you find most of them.
+# The recording is many drives laid end to end. Near the end of one, the images "after" the target belong to the <i>next</i> drive, somewhere else in the flat: the last images show another room. The indices must be clipped to the target's own trajectory, whose last image is repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Bugs in data don't crash. Look at a few of the network's actual inputs, and you find most of them.
 # </details>
 #
 # ## 10 · What it doesn't know
 #
-# With context your robot misses few targets. So we make it harder, with single images, $k = 0$: 100 episodes at home and, on a field trip, 100 in a maze. Here are three of them.
+# With context your robot misses few targets. So we make it harder, with single images, $k = 0$: 100 episodes at home and, on a field trip, 100 in a maze. Here are three from home.
 
 # %% hidden=true
 # 200 episodes by single images, and three of them (about 5 s)
@@ -1271,7 +1271,7 @@ wont = Prediction(
 display(wont)
 
 # %% [markdown]
-# Now all 200, by four conditions that could matter. Watch the second row.
+# Now look at all 200, by four conditions that could matter. Watch the second row.
 
 # %% hidden=true
 # What the failures have in common
@@ -1295,7 +1295,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 #
 # ## 11 · Beside the paper
 #
-# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; the others are $\mathcal C$ with more and more context. Below is its twin, **in an easier world**: straight walls with painted stripes, even light. *Random* drives to random waypoints, *laser* has distances in place of the image, and the oracle shows what body and clock cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
+# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is its twin, **in an easier world**: straight walls with painted stripes, even light. *Random* drives to random waypoints, *laser* has distances in place of the image, and the oracle shows what body and clock cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
 # Success rates beside the paper's, with 95 % intervals
@@ -1324,10 +1324,11 @@ for place, name in enumerate(names):
         axis.text(place + aside, line["paper"] + 0.02, f"{100 * line['paper']:.0f}", **text)
 axis.set(
     ylim=(0, 1.08),
-    ylabel="success rate",
-    title="Waypoints beat direct control. In %; blue, grey: ours; orange: the paper",
+    ylabel="success rate, %",
+    title="Waypoints beat direct control. Blue, grey: ours; orange: the paper",
 )
 axis.set_xticks(range(len(names)), list(names.values()))
+axis.set_yticks(np.linspace(0, 1, 6), range(0, 101, 20))
 show(from_figure(figure))
 
 # %% [markdown]
