@@ -207,7 +207,7 @@ bet = Prediction(
 display(bet)
 
 # %% [markdown]
-# **120 minutes.** Sections 7 to 9 are for a second sitting. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Take a break after section 4. Sections 7 to 9 are for a second sitting, another 40. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -229,7 +229,7 @@ display(bet)
 #
 # A network that predicts it is a **[[reachability estimator]]**, RE. There's no distance in it, and it belongs to *this* controller.
 #
-# In a simulator you can simply try. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *to arrive* is to come within 0.30 m, in time and without a collision.
+# In a simulator you can simply try. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *arriving* means coming within 0.30 m, in time and without a collision.
 
 # %% hidden=true
 # From where does the car get through the door? (about 5 s)
@@ -308,7 +308,7 @@ fan = Prediction(
 display(fan)
 
 # %% [markdown]
-# Now both targets, and beside each outcome what RE predicted *beforehand*, from the two images alone.
+# Here are both targets. Next to each outcome is what RE predicted *beforehand*, from images alone.
 
 # %% hidden=true
 # Outcome and prediction
@@ -351,7 +351,7 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. One *beside* the car is the hardest of those in sight. RE has the shape right: walls, doors, ahead, behind and beside. But beside the car it's too optimistic. Keep that in mind. And the two cars of this morning? Above the maps stands what RE says to each: B won't make that.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Of those in sight, one *beside* the car is the hardest. RE has the shape right: walls, doors, ahead, behind and beside. But for targets beside the car it's too optimistic. Keep that in mind. And this morning's two cars? The line above the maps says it: B won't make that.
 #
 # ### What keeps car B away?
 #
@@ -395,7 +395,7 @@ stops = Prediction(
     f"arrives from {counts['knows the position']} starts around it; ours, with its eyes, from "
     f"{counts['C']}; and if it never reversed, from {counts['never reverses']}.",
     tempting="A",
-    because="a car can't go sideways. But it can go to and fro, and it would have had the time.",
+    because="a car can't go sideways. But it can go back and forth, and it would have had the time.",
     before=cars_picture([1], with_waypoints=True),
     after=side_by_side(
         [map_around(living_room, grid, reached) for reached in outcomes.values()],
@@ -406,9 +406,9 @@ stops = Prediction(
 display(stops)
 
 # %% [markdown]
-# Three controllers, three different areas, and nothing about the places has changed. *Is it reachable?* has no answer until you say by which controller. An estimator trained for one is wrong for another. That's also why likeness of images, or the time between them, is only a proxy: neither depends on the controller.
+# Three controllers reach three different areas, and nothing about the places has changed. *Is it reachable?* has no answer until you say by which controller. An estimator trained for one is wrong for another. That's also why the likeness of two images, or the time between them, is only a proxy: neither depends on the controller.
 #
-# So what does the network tell B? Watch the second column.
+# So what does $\mathcal C_{WP}$ tell B? Watch the second column.
 
 # %% hidden=true
 # Targets to the side, and the waypoints predicted for them
@@ -429,19 +429,19 @@ headings = {"target, m to the side": ".2f", "its first waypoint, m to the side":
 table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 
 # %% [markdown]
-# It stops growing. $\mathcal C_{WP}$ learnt from starts beside a trajectory, most of them less than half a metre aside, and for everything beyond it predicts about the same waypoint. RE has seldom seen such starts either. Both are good at what they were trained on, and this is outside it.
+# It stays near 0.6. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and beyond that it predicts about the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
 #
 # ## 2 · Labels from rollouts
 #
-# RE is learnt from outcomes. Draw a **pair** of a start and a target from the recorded trajectories at random (the paper: on one trajectory with probability 0.6, on two otherwise; we move most starts a little aside), drive, and note whether the car arrives. No rule has to say what makes a target hard.
+# RE learns from outcomes. Draw a **pair** at random from the recorded trajectories, a start and a target. Drive, and note whether the car arrives. No rule has to say what makes a target hard. In the paper both are on one trajectory with probability 0.6; we also move most starts a little sideways.
 #
-# A car that circles for ten minutes and then hits upon the target by chance hasn't shown that it can reach it. So there's a time limit, from the length of the shortest path and the slowest speed that's tolerated (III-C; 5 s and 0.3 m/s are from the authors' code):
+# A car that circles for ten minutes and then stumbles on the target hasn't shown that it can reach it. So there's a time limit, from the length of the shortest path and the slowest speed that's tolerated (III-C; 5 s and 0.3 m/s are from the authors' code):
 #
 # $$ t_\text{max} = \frac{A^*(o_\text{current}, o_\text{target})}{v_\text{min}} + 5\ \text{s}, \qquad v_\text{min} = 0.3\ \text{m/s}. $$
 #
-# The label is 1 if there's a moment, at $t_\text{max}$ at the latest, at which the car is at most 0.30 m from the target and hasn't touched anything until then, that moment included. What it does after that doesn't count. Otherwise the label is 0.
+# The label is 1 if there's a moment, at $t_\text{max}$ at the latest, at which the car is at most 0.30 m from the target and hasn't touched anything until then, that moment included. Otherwise it's 0. What the car does after arriving doesn't count.
 #
-# And a collision? The authors' code leaves such rollouts out. Then RE hears nothing of the places where the controller crashes, and those are the places it should warn of. We keep them: label 0.
+# And a collision? The authors' code leaves such rollouts out. Then RE hears nothing of the places where the controller crashes, and those are the ones it should warn about. We keep them: label 0.
 #
 # ### Exercise 1 · `rollout_labels` (medium, 10 minutes)
 #
@@ -474,7 +474,7 @@ rollout_labels = check_rollout_labels.use(rollout_labels)
 
 
 # %% [markdown]
-# Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors, in which no network was trained. Up to 150 pairs each, with an overlap of a tenth at least, both ways; the others are for section 5. Watch what share arrives, and how many of the others collide. It takes about 10 s.
+# Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors. Take up to 150 pairs in each. Each image shows at least a tenth of the other's view; section 5 is about the rest. Watch what share arrives, and how many of the others collide. It takes about 15 s.
 
 # %% hidden=true
 # Draw pairs in four buildings, and drive (about 15 s)
@@ -523,11 +523,11 @@ headings = {"building": "", "pairs": "d", "arrive": ".0%", "not in time": ".0%"}
 table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 
 # %% [markdown]
-# So for this controller it hardly matters how collisions count: $\mathcal C_{RMP}$ sees walls with its laser. Only the count shows it. For a controller that cuts corners it would decide what RE learns.
+# Hardly any do: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it hardly matters how collisions count. For one that cuts corners it would decide what RE learns.
 #
 # ## 3 · A loss that teaches probabilities
 #
-# RE's network is nearly that of $\mathcal C_{WP}$ (III-C: "almost identical"), and starts with the encoder that $\mathcal C_{WP}$ has learnt. In place of a waypoint it returns a **logit** $z$, any real number, and $p = \sigma(z) = 1 / (1 + e^{-z})$ makes it a probability. With the label $y$, 1 or 0, the paper trains "with a binary classification loss" (III-C), the cross-entropy
+# RE's network is nearly $\mathcal C_{WP}$'s (III-C: "almost identical"), and it starts from the same trained encoder. In place of a waypoint it returns a **logit** $z$, any real number, and $p = \sigma(z) = 1 / (1 + e^{-z})$ makes it a probability. With the label $y$, 1 or 0, the paper trains "with a binary classification loss" (III-C), the cross-entropy
 #
 # $$ \ell(z, y) \;=\; -\,y \log \sigma(z) \;-\; (1-y) \log\bigl(1 - \sigma(z)\bigr) \;=\; \log\bigl(1 + e^{z}\bigr) - y\,z . $$
 #
@@ -566,7 +566,7 @@ reach_loss = check_reach_loss.use(reach_loss)
 # %% hidden=true
 # The mean loss of ten rollouts for every prediction
 ten = np.array([1.0] * 7 + [0.0] * 3)
-predicted = np.linspace(0.005, 0.995, 199)
+predicted = np.linspace(0.002, 0.998, 499)
 logits = np.log(predicted / (1 - predicted))
 equal, dropped = np.ones(10), np.array([1.0] * 9 + [0.0])
 curves = {
@@ -610,13 +610,13 @@ display(ten_drives)
 # %% [markdown]
 # The cross-entropy is cheapest at the share that arrives: a network that minimises it predicts a *frequency*. Such a loss is called **proper**; the squared error, or **Brier** score, is proper, too. The absolute error teaches over-confidence. And without the crash RE would be too optimistic exactly where the controller is dangerous.
 #
-# So much for theory. It holds for the rollouts of the training. Whether it holds *in a new building* has to be measured.
+# So much for theory. It holds for the training rollouts. Whether it holds *in a new building* has to be measured.
 #
 # ## 4 · Is it right?
 #
-# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same for RE: sort its predictions, put those of about the same size into a [[bin]], and compare the *mean prediction* of each bin with the *share that arrived*. One against the other is the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
+# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same goes for RE: sort its predictions, put those of about the same size into a [[bin]], and compare the *mean prediction* of each bin with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
 #
-# Most predictions are near 1, so bins of equal width would be nearly empty in the middle. Take bins of equal **mass**: each has as many predictions as the next, or one more where $N$ isn't a multiple of the number of bins $B$; which ones is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted with its number of predictions $n_b$:
+# Most predictions are near 1, so bins of equal width would be nearly empty in the middle. Take bins of equal **mass**: each has as many predictions as the next, or one more where $N$ isn't a multiple of the number of bins $B$; which ones get it is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted with its number of predictions $n_b$:
 #
 # $$ \mathrm{ECE} = \sum_b \frac{n_b}{N}\,\bigl|\,\overline{p}_b - \overline{y}_b\,\bigr| . $$
 #
@@ -651,7 +651,7 @@ reliability_diagram = check_reliability_diagram.use(reliability_diagram)
 
 
 # %% [markdown]
-# First a quickly trained network: two small layers on the frozen encoder of $\mathcal C_{WP}$, trained on nothing but the 300 rollouts in your flat and in the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: that much could be chance. Both axes are stretched near 1, where most predictions are.
+# Start with a quickly trained network: two small layers on the frozen encoder of $\mathcal C_{WP}$, trained on nothing but the 300 rollouts in your flat and in the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: that much could be chance. Both axes are stretched near 1, where most predictions are.
 
 
 # %% hidden=true
@@ -732,7 +732,7 @@ new_house = Prediction(
     "And in the ring of corridors, where it wasn't trained: where will the points lie?",
     {
         "A": "on the diagonal, as here",
-        "B": "below it where it's sure, above it where it isn't",
+        "B": "below it where it says yes, above it where it says no",
         "C": "above it everywhere",
     },
     right="B",
@@ -748,11 +748,11 @@ new_house = Prediction(
 display(new_house)
 
 # %% [markdown]
-# In a new building it's nearly as *confident* as before, and no longer as accurate. This is **over-confidence**, and it's typical of neural networks: once an outcome is right, only a larger logit makes the loss still smaller.
+# In a new building it's nearly as *confident* as before, and no longer as accurate. This is **over-confidence**, and it's typical of neural networks: once every answer is right, only larger logits make the loss still smaller.
 #
 # ### Recalibration
 #
-# The *ranking* of its predictions may be good though the *values* are off. So keep the ranking and change the scale: apply an increasing function to the logit, fitted on rollouts on which the network was **not** trained, since what it knows by heart can't show how wrong it is elsewhere. The simplest one divides by a **[[temperature]]** $T$ (C. Guo, G. Pleiss, Y. Sun and K. Weinberger, [*On Calibration of Modern Neural Networks*](https://arxiv.org/abs/1706.04599), ICML 2017):
+# The *ranking* of its predictions may be good even if the *values* are off. So keep the ranking and change the scale: apply an increasing function to the logit, fitted on rollouts on which the network was **not** trained, since what it knows by heart can't show how wrong it is elsewhere. The simplest one divides by a **[[temperature]]** $T$ (C. Guo, G. Pleiss, Y. Sun and K. Weinberger, [*On Calibration of Modern Neural Networks*](https://arxiv.org/abs/1706.04599), ICML 2017):
 #
 # $$ p = \sigma(z / T), \qquad T = \arg\min_T \; \sum_i \ell\bigl(z_i / T,\; y_i\bigr) . $$
 #
@@ -785,9 +785,9 @@ fit_temperature = check_fit_temperature.use(fit_temperature)
 
 
 # %% [markdown]
-# Both networks, the quick one and the library's, get their temperature in the ring of corridors and are judged in the office. A temperature can't bend a curve, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Beside them stand two that calibrate badly in different ways: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
+# Both networks, the quick one and the library's, get their temperature in the ring of corridors and are judged in the office. A temperature is only one number, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Two badly calibrated ones stand next to them: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
 #
-# **AUC** is the probability that of two pairs, one of which arrives, that one has the higher prediction. Watch the column AUC.
+# **AUC** is the probability that a pair that arrives has a higher prediction than one that doesn't. Watch its column.
 
 # %% hidden=true
 # Fit temperatures, and evaluate in the office
@@ -815,7 +815,7 @@ for name, predicted, panel, tone in lines:
     if panel is not None:
         axis = axes[panel]
         draw_reliability(axis, means, shares, color=colours.unit(tone), label=name)
-for axis, title in zip(axes, ("the quick network", "the library's"), strict=True):
+for axis, title in zip(axes, ("the quick network", "the library's network"), strict=True):
     stretch(axis)
     axis.legend(loc="upper left", fontsize=10)
     axis.set_title(title)
@@ -831,7 +831,7 @@ print(f"exact probabilities would have an ECE of about {np.mean(perfect):.3f} he
 show(from_figure(figure))
 
 # %% [markdown]
-# The AUC doesn't change: it depends on the ranking alone, and an increasing function keeps that. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant that hits the building's own share is calibrated by definition, and useless; the one in the table comes from another building. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
+# Within each network the AUC stays: it depends on the ranking alone, and an increasing function keeps that. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant that hits the building's own share is calibrated by definition, and useless; the one in the table comes from another building. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
 #
 # With 150 rollouts even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
 #
@@ -878,7 +878,7 @@ show(side_by_side(panels, titles))
 # %% [markdown]
 # These are the worst. The colours differ, but the geometry is alike: a wall on either side, a passage, something at the end. To take one place for another is **[[perceptual aliasing]]**, and an edge of a map between two such places is a **[[wormhole]]**: the planner thinks there's a short cut, and takes it.
 #
-# A handful of pairs above 0.9, among thousands. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A building has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, rows to columns; blue are the real ones. **Take a pencil.**
+# Only a handful are above 0.9, among thousands. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A map has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, from row to column; the real ones are blue. **Take a pencil.**
 
 # %% hidden=true
 # A million pairs
@@ -915,9 +915,9 @@ holes = Prediction(
 display(holes)
 
 # %% [markdown]
-# What counts isn't the error rate, but the error rate among the pairs that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. In a random draw of pairs such mistakes hardly occur, so no network can learn from it to avoid them.
+# What counts isn't its error rate, but the error rate among the pairs that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. Random pairs hardly ever contain such a mistake, so no network learns from them to avoid it.
 #
-# So search for them: **hard negative mining**. The library's network, after most of its training, predicted all pairs of 160 frames in 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They're labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they're kept, too, or the network would learn to distrust whatever looks good. From then on every tenth target came from these.
+# So search for them: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 frames in 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They're labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they're kept, too, or the network would learn to distrust whatever looks good. From then on one target in ten came from these.
 
 # %% hidden=true
 # Read the library's training from its card
@@ -929,12 +929,12 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # %% [markdown]
 # ### Mine the hard pairs yourself
 #
-# The quick network of section 4 has seen no hard pair: its 300 overlap. Mine some for it. The pool holds these 300, whose labels are known, and the pairs of 45 frames of each training building, for which there's only the network's prediction. Make a training set of it, in four steps:
+# The quick network of section 4 has seen no hard pair: in its 300, the two views overlap. Mine some for it. The pool holds these 300, whose labels are known, and the pairs of 45 frames of each training building, for which there's only the network's prediction. Make a training set from the pool, in four steps:
 #
 # 1. **Easy pairs**: every pair that has a label already. Weight 1 each.
 # 2. **[[Hard negative]]s**: of the pairs without a label that are far and occluded (`occluded`), those with a prediction above `sure`, the highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that's left out because its start has enough already doesn't count. The label is 0, without a rollout.
-# 3. **Confident pairs**: of those without a label that are *not* occluded, with a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts are what takes time, so no other pair is rolled out, and none twice.
-# 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same, such that together they have the share `share` of the whole weight, that of the easy ones included.
+# 3. **Confident pairs**: of those without a label that are *not* occluded, with a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
+# 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Together they make up `share` of the whole weight, easy pairs included.
 #
 # ### Exercise 5 · `mine_pairs` (large, 35 minutes)
 #
@@ -983,7 +983,7 @@ mine_pairs = check_mine_pairs.use(mine_pairs)
 
 
 # %% [markdown]
-# A second quick network, trained on your set from the same initial weights. Both are asked about all pairs of 45 frames of the *office*, which neither has seen. Watch the look-alikes go, and whether the ordinary pairs suffer. It takes about 6 s.
+# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 frames of the *office*, which neither has seen. Watch the look-alikes go, and whether the ordinary pairs suffer. It takes about 6 s.
 
 
 # %% hidden=true
@@ -1069,7 +1069,7 @@ words = f"the office: {office.far_and_occluded.sum():,} far, occluded pairs, and
 table(headings, lines, best, words)
 
 # %% [markdown]
-# Far fewer look-alikes, in a building that it has never seen, and it ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands.
+# It falls for far fewer look-alikes, in a building it has never seen, and it ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
 #
 # So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs of your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count.
 
@@ -1092,9 +1092,9 @@ if sure.any():
 #
 # ## 6 · Your own sixty
 #
-# **An open task.** The quick network has 300 rollouts. You may label 60 pairs more. Which? `my_pairs` chooses them from the pool; they get their outcomes, together they weigh as much as in exercise 5, and five networks are trained on all of it, each from other initial weights. They're judged in the office and in the ring of corridors, of which you've chosen nothing: half on 300 ordinary rollouts, half on all far, occluded pairs.
+# **An open task.** The quick network has 300 rollouts. You may label 60 pairs more. Which? `my_pairs` chooses them from the pool; they get their outcomes, together they weigh as much as in exercise 5, and five networks are trained on everything, each from different initial weights. They're judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
 #
-# The **score** is the share of the squared error that's gone, in percent: 0 is a network that always says the average, 100 one that's always right. A minus is worse than no network at all. The 300 alone are to beat, 60 at random, and the 60 look-alikes it's surest of. We don't know the best answer. What you're given about the P pairs of the pool:
+# The **score** is the share of the squared error that's gone, in percent: 0 is a network that always says the average, 100 one that's always right. Below 0 is worse than no network at all. Beat the 300 alone, 60 at random, and the 60 look-alikes it's surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
 # | each is (P,) | |
 # |---|---|
@@ -1281,7 +1281,7 @@ sliders(
 )
 
 # %% [markdown]
-# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 lives on this curve: as long as RE stays high for *all* targets up to an image, the images between can go.
+# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 lives on this curve: as long as RE stays high for *all* targets up to an image, the images in between can go.
 #
 # ## 8 · How it fails
 #
@@ -1356,14 +1356,14 @@ lines = [
     [name, int(has.sum()), predicted[has].mean(), reached[has].mean()]
     for name, has in conditions.items()
 ]
-table({"the target is, or there is": "", "pairs": "d", "RE's mean": ".2f", "arrive": ".2f"}, lines)
+table({"what could mislead RE": "", "pairs": "d", "RE's mean": ".2f", "arrive": ".2f"}, lines)
 
 # %% [markdown]
-# RE follows the outcome from line to line: it has learnt that targets behind or beside the car are harder, with little overlap, or turned away. Where a wall stands between it's far too optimistic: the two views share something around a corner, and the path is longer than it seems. More such examples would help. What neither image shows, no network can learn; and where a car stops just outside the circle, a few centimetres decide, and the right prediction is neither 0 nor 1.
+# RE follows the outcome from line to line: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. Where a wall stands between them, it's far too optimistic: the two views share something around a corner, and the path is longer than it seems. More such examples would help. What neither image shows, no network can learn; and where a car stops just outside the circle, a few centimetres decide, and the right prediction is neither 0 nor 1.
 #
 # ### Find the bug
 #
-# A colleague needs RE between all pairs of images of a trajectory, "and a distance is the same in both directions, so half of the table is enough". It runs twice as fast and without an error. Rows are the car's position, columns the target's. What's wrong?
+# A colleague needs RE between all pairs of images of a trajectory, "and a distance is the same in both directions, so half of the table is enough". It runs twice as fast and without an error. Rows are the car's position, columns the target's, and yellow is RE near 1. What's wrong?
 
 # %% hidden=true
 # Query RE between all pairs of 36 frames, and draw both tables
@@ -1382,7 +1382,7 @@ def colleagues(values):
 
 figure, axes = chart(9.0, 4.4, columns=2)
 for axis, values, name in zip(
-    axes, (colleagues(all_to_all), all_to_all), ("the colleague's", "all queried"), strict=True
+    axes, (colleagues(all_to_all), all_to_all), ("the colleague's table", "all queried"), strict=True
 ):
     axis.imshow(values, vmin=0, vmax=1, cmap="cividis", extent=(-1, 8, 8, -1))
     axis.set(xlabel="target, m along the trajectory", ylabel="car, m along the trajectory")
@@ -1403,7 +1403,7 @@ show(from_figure(figure))
 #
 # ## 9 · Twenty worlds that nobody has seen
 #
-# Every estimator predicts the same thousands of pairs in unseen worlds, and all of them are rolled out. **k2** and **k5** are RE with that context. Beside them stand three that aren't RE: **image** only compares two images; **sptm** was trained to say whether two images were taken at about the same *time* (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018); **geometry** is an oracle that's told distance, bearing, overlaps and walls. The paper has no such figure for single edges. It compares whole *paths* (Fig. 9), as notebook 06 does.
+# Five estimators are asked about the same thousands of pairs in unseen worlds, and every pair is rolled out. **k2** and **k5** are RE with two or five context images each way. Three aren't RE: **image** only compares two images; **sptm** was trained to say whether two images were taken at about the same *time* (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018); **geometry** is an oracle that's told distance, bearing, overlaps and walls.
 
 # %% hidden=true
 # Draw the reliability diagrams of the results page
@@ -1423,7 +1423,7 @@ axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 show(from_figure(figure))
 
 # %% [markdown]
-# More context makes RE more accurate, and no RE beats geometry; the [page of results](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, also of look-alikes. Image and sptm answer another question: two images can be alike, or close in time, and the second still be behind the car. Calibration could mend their values, but not their ranking.
+# More context makes RE more accurate, and no RE beats geometry; the [page of results](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, also for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, and the second still be behind the car. Calibration could mend their values, but not their ranking.
 #
 # A *precision*, the share of the accepted pairs that arrives, belongs to the estimator *and* to the kind of pairs. From one kept image to the next it's nearly 1; among all pairs of a building it's lower.
 #
@@ -1439,7 +1439,7 @@ show(from_figure(figure))
 # 4. What does $\mathcal C_{WP}$ hand to $\mathcal C_{RMP}$, and how often?
 # 5. A car arrives in time, and a second later hits the wall. What's the label?
 # 6. Of ten rollouts from one start, four arrive. Which prediction has the least cross-entropy?
-# 7. You divide all logits by 2. What happens to the predictions, and what to the AUC?
+# 7. You divide all logits by 2. What happens to the predictions, and to the AUC?
 # 8. A network always says 0.85, and 85 % arrive. Is it calibrated, and is it useful?
 # 9. Two controllers share one camera. May they share one RE?
 # 10. Why does a map need an estimator that's right far more often than 999 times in 1,000?
@@ -1455,7 +1455,7 @@ show(from_figure(figure))
 # - say what *reachable* means, and why it belongs to the controller and isn't a distance;
 # - turn rollouts into labels, and write the loss that makes a network predict probabilities;
 # - measure whether probabilities are right, and recalibrate them if they aren't;
-# - explain why an estimator that's nearly always right isn't good enough for a map, and mine what it's missing.
+# - explain why an estimator that's nearly always right isn't good enough for a map, and mine the pairs it gets wrong.
 #
 # **Extras, if you like.** Draw the maps of section 1 for starts turned by 45°: where does the blue area go? Evaluate `ReachabilityNetwork("reach_k5")`, which belongs to another controller, on the outcomes of k = 2: in which direction is it wrong? Fit temperature *and* offset, $\sigma(z/T + b)$: what does the offset correct? Fit a temperature on one grid of section 1, and test it on the other.
 #

@@ -169,8 +169,8 @@ def _broken(got: float, want: float, *_: Array) -> str:
         return "where the loss falls up to an end of the range, T is that end, and no farther"
     if abs(np.log(got / want)) < 0.5:
         return (
-            "T is asked to one percent: more values, which grow by a factor, with the logits as "
-            "they are, and the best one unrounded"
+            "give T to within one percent: try more values, which grow by a factor, with "
+            "the logits as they are, and the best one unrounded"
         )
     return (
         "of all temperatures from 0.05 to 20 take that with the least mean of "

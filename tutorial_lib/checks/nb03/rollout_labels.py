@@ -124,7 +124,7 @@ exactly 0.30 m counts as near, too: at most
     gaps <= -> gaps <
 exactly t_max is still in time: at t_max at the latest
     times[:, None] <= -> times[:, None] <
-both limits belong to it: at most 0.30 m, at t_max at the latest
+both limits count as inside: at most 0.30 m, at t_max at the latest
     gaps <= -> gaps <
     times[:, None] <= -> times[:, None] <
 a rollout that touched something counts 0, not nan: it is a failure, not a gap in the data
@@ -206,7 +206,7 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
     def across(time: float) -> int:
         return round(302 + 11 * time)
 
-    write("green: within 0.30 m    red: touches    bar: t_max", 4, 18, colour=colours.SOLID)
+    write("green: within 0.30 m    orange: touches    bar: t_max", 4, 18, colour=colours.SOLID)
     write("target  yours", 646, 18, colour=colours.SOLID)
     for row, (story, limit) in enumerate(zip(STORIES, time_limit(geodesic), strict=True)):
         y = 44 + 26 * row
