@@ -5,7 +5,7 @@
 #
 # You can tell which room it's in. The robot has one picture. *Which way will it turn at its door?*
 #
-# By the end it'll say "I'm in one of these four rooms", which is the truth. Someone will carry it off, and it'll notice. And it'll find out, while it drives, that it was wrong.
+# By the end it'll say "I'm in room 0, 1, 2 or 3", which is the truth. Someone will carry it off, and it'll notice. And it'll find out, while it drives, that it was wrong.
 
 # %% hidden=true
 # The office next door, and a map of thirty drives (about 15 s)
@@ -227,18 +227,18 @@ head = {"RE": "", **dict.fromkeys(titles, ".2f")}
 table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, strict=True)])
 
 # %% [markdown]
-# But for a bit of corridor in the doorway, the first two *are* one picture, and no network can tell them apart. That's **[[perceptual aliasing]]**. And RE isn't wrong: of all pairs that look like this, most *are* in one room. What's missing isn't in the picture. It's in **how the robot came here**.
+# Except for a bit of corridor in the doorway, the first two *are* one picture, and no network can tell them apart. That's **[[perceptual aliasing]]**. And RE isn't wrong: most pairs that look like this *are* in one room. What's missing isn't in the picture. It's in **how the robot came here**.
 #
 # ## 2 · Through the wall
 #
-# Two more robots, on the same map. They start in rooms that have no twin, so they know where they are. But the rooms that they look for have twins. Vermilion legs are longer than 5 m. Watch what each robot sees, what it expects, and what the first one says at the end.
+# Two more robots use the same map. They start in rooms that have no twin, so they know where they are. But the rooms that they look for have twins. Vermilion legs are longer than 5 m. Watch what each robot sees, what it expects, and what the first one says at the end.
 
 
 # %% hidden=true
 # Films of two robots whose plans lead through a wall (about 10 s)
 def legs_picture(poses, ahead, pose, goal):
     """A plan from the robot over the anchors ahead of it; its long legs in vermilion."""
-    picture = view.plain.copy()
+    picture = with_places(view)
     stops = np.array([pose, *(poses[vertex] for vertex in ahead), goal])[:, :2]
     far = building.paths.between(stops[:-1], stops[1:]) > WORMHOLE
     for leg, is_far in zip(pairwise(stops), far, strict=True):
@@ -274,9 +274,9 @@ for i, (start, end) in enumerate(lured_trials.pairs):
     display(film_of(lured, single_poses, i, lured_trials.goal_poses[i]))
 
 # %% [markdown]
-# Such an edge is a **[[wormhole]]**: a step on the map, a long drive in the building. The first robot says that it has arrived, and it's next door, in the twin. Neither did anything wrong; their photos just hang elsewhere.
+# Such an edge is a **[[wormhole]]**: a step on the map, a long drive in the building. The first robot says it's arrived. It's next door, in the twin. Neither did anything wrong: their photos fit two places.
 #
-# The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that only look alike have neighbours that don't, sooner or later. Ours asks for four anchors on either side, for edges and for reuse.
+# The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that only look alike have neighbours that don't, sooner or later. Ours asks for four matches on either side, for edges and for reuse.
 
 # %% hidden=true
 # Two maps of the same drives (about 5 s)
@@ -337,21 +337,21 @@ table({**head, "edges of a plan": ".1f"}, rows)
 #
 # ## 3 · A belief
 #
-# Now the robot. Three answers to "where am I?":
+# The robot asks "where am I?" There are three answers:
 #
 # - **argmax**: at the vertex that looks most like this;
 # - **a sequence**: where the last few views fit, one after the other (III-G);
-# - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves, it moves along the edges. When the robot looks, vertices that look like this gain.
+# - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves, it moves along the edges. When the robot looks, vertices that look like the view gain.
 #
-# Only a belief can say "in one of these four rooms". The paper declines it: it would need "a unique state (e.g., global pose) associated with each observation" (III-G). We build it all the same. Vertices are the states, and the wheels say how far the robot moved.
+# Only a belief can say "in room 0, 1, 2 or 3". The paper declines it: it would need "a unique state (e.g., global pose) associated with each observation" (III-G). We build it anyway. Vertices are the states, and the wheels say how far the robot moved.
 #
 # ### Predict
 #
-# $b_v$ is the belief in state $v$: a vertex or, as the last one, off the map. The wheels measure a motion of $d$ metres, turning included. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, about the share $d/\ell_v$ for a small $d$, and never more than all. After two motions by $d$ as much must be left as after one by $2d$. Only one function does that:
+# $b_v$ is the belief in state $v$: a vertex or, as the last one, off the map. The wheels measure a motion of $d$ metres; a turn counts, too. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, about the share $d/\ell_v$ leaves for a small $d$, and never more than all. Two motions by $d$ must leave as much behind as one by $2d$. Only one function does that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
-# $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and from there anywhere. $\bar b$ is the **[[prior]]**, what's believed before the next look. Drift hardly matters: only the *last* motion is used.
+# $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and the last row leads anywhere. $\bar b$ is the **[[prior]]**, what's believed before the next look. Drift hardly matters: only the *last* motion is used.
 #
 # <details><summary>What's the prior after no motion at all? After a very large one?</summary>
 # Nothing leaves: the prior is the belief. After a very large motion all of it has left, but over one edge only. So predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
@@ -393,11 +393,11 @@ predict = check_predict.use(predict)
 #
 # $$ b_v \;\propto\; \bar b_v \cdot p(\text{view} \mid v), \qquad \sum_v b_v = 1 . $$
 #
-# Only the *ratios* of likelihoods count. Half in one twin, half in the other, and a view that's as likely in both: it stays half and half.
+# Only the *ratios* of likelihoods count. Say each twin holds half of the belief. A view that's as likely in both leaves it half and half.
 #
 # ### Exercise 2 · `update` (easy, 5 minutes)
 #
-# It may happen that *no* state is possible: all products are 0, not only tiny. Then the robot is off the map, which is the last state.
+# Sometimes *no* state is possible: all products are 0, not merely tiny. Then the robot is off the map, which is the last state.
 #
 # <details><summary>Hint 1: concept</summary>A product, and a division by its sum, for each row by itself.</details>
 # <details><summary>Hint 2: approach</summary>Where a row of products sums to 0, set its last entry to 1 before you divide; then no division by 0 is left.</details>
@@ -427,7 +427,7 @@ update = check_update.use(update)
 # %% [markdown]
 # ### A corridor by hand
 #
-# Eight vertices, a metre apart; the letters say what they look like. A robot starts at 1, and doesn't know it. Bars are its belief after the first look, the green line is the truth.
+# Eight vertices are a metre apart; the letters say what they look like. A robot starts at 1, and doesn't know it. Bars are its belief after the first look; the green line is the truth.
 
 # %% hidden=true
 # The corridor of eight vertices: the belief step by step
@@ -463,13 +463,13 @@ corridor = Prediction(
     "07",
     "corridor",
     "It drives to the right, half a metre from look to look. At which vertex will one bar win?",
-    {"A": "at 2, after two looks", "B": "at 3, after four looks", "C": "at 4, after six looks"},
+    {"A": "at 2, two looks later", "B": "at 3, four looks later", "C": "at 4, six looks later"},
     right="B",
     robot=f"at 2 it still believes {row_beliefs[2][2]:.2f} in 2 and {row_beliefs[2][6]:.2f} in 6; "
     f"at 3 it's {row_beliefs[4][3]:.2f}, and {row_beliefs[4][6]:.2f} in 6.",
     tempting="A",
-    because="two looks are more than one. But 6 looks like 2, as 5 looks like 1. Only d, at 3, has "
-    "no twin.",
+    because="three looks are more than one. But 6 looks like 2, as 5 looks like 1. The d at 3 is the "
+    "first without a twin.",
     before=bars(0),
     after=side_by_side([bars(2, 4.6), bars(4, 4.6)], ["at vertex 2", "at vertex 3"]),
 )
@@ -489,9 +489,9 @@ sliders(
 # %% [markdown]
 # ## 4 · Sequences
 #
-# The belief sums over *all* paths on which the robot may have come here. Sequence matching takes the last few views only, and of all paths the *best* one; III-G asks for it, and leaves open how. It needs no motion: from one view to the next the robot stayed at its vertex, or came to it from the vertex before on the drive.
+# The belief sums over *all* paths on which the robot may have come here. Sequence matching takes the last few views only, and of all paths the *best* one; III-G asks for it, and leaves open how. It needs no motion. From one view to the next the robot stayed at its vertex, or came from the one before on the drive.
 #
-# For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. For more, the result so far takes the place of $p_1$.
+# For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. With more views, the result so far takes the place of $p_1$.
 #
 # Say rooms A and B look alike, the corridors before them don't, and the robot came into A. After one view both score the same. After two, A wins.
 #
@@ -531,15 +531,15 @@ match_sequence = check_match_sequence.use(match_sequence)
 # %% [markdown]
 # ## 5 · Half-way, somebody carries it off
 #
-# Your robot drives from a twin to the green place; its wheels drift. Half-way somebody puts it down in another room, and no odometer notices: notebook 06's [[kidnapped robot]]. There it had to get lost first. What does a belief do?
+# Your robot drives from a twin to the green place; its wheels drift. Half-way somebody carries it to another room, and the odometer doesn't notice. In notebook 06 the [[kidnapped robot]] had to get lost first. What does a belief do?
 #
 # First you need the loop around `predict` and `update`. It decides three things.
 #
-# - **When to look?** A look costs a pass of the network, so only now and then.
+# - **When to look?** A look costs a pass of the network, so the robot looks only now and then.
 # - **What does it learn while it stands still?** Nothing new. *The same evidence must not count twice*, or a minute at a wall would make it sure of anything. So each update starts from the **prior of the last motion**, not from the belief.
 # - **Where is it, in one word?** At the state with the most belief. But two neighbours that take turns would make it flicker, so there's a [[hysteresis]].
 #
-# Pictures may deceive, and neighbouring views aren't independent. So each likelihood is at least `rules.least`; off the map it's `rules.unknown`; and all of them are raised to the power `rules.sharpness`.
+# Pictures may deceive, so each likelihood is at least `rules.least`; off the map it's `rules.unknown`. All are raised to the power `rules.sharpness`. Neighbouring views repeat their evidence: a smaller power makes each count for less.
 
 # %%
 rules = FilterSettings()
@@ -548,9 +548,9 @@ print(rules)
 # %% [markdown]
 # ### Exercise 4 · `track` (large, 35 minutes)
 #
-# At the start nothing is known: the belief is the same for all states, it's also the first prior, the vertex is -1, and the robot looks at step 0. Then for each step:
+# At the start nothing is known: the belief is the same for all states, it's also the first prior, and the vertex is -1. Do this at each step:
 #
-# 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that's at least `rules.stride`, predict from the *belief*; this is the new prior, and `pose` the new `last`.
+# 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that's at least `rules.stride`, predict from the *belief*; this is the new prior, and `pose` is the new `last`.
 # 2. If it has moved that far, or this is the first step, or `rules.interval` steps have passed since the last look: look, and update from the *prior*.
 # 3. Choose the vertex: keep it while its belief is at least `rules.hysteresis` times the greatest; otherwise the one with the greatest, and -1 if that's the last state.
 #
@@ -684,7 +684,7 @@ view.arrow(lifted, drive_a.poses[cut], colours.INK, 9)
 carried = Prediction(
     "07",
     "carried",
-    "Just before. Black: where it's put down, and drives on. What will it believe a second later?",
+    "In a moment it'll be carried to the black arrow. What will it believe a second later?",
     {
         "A": "that it's still near where it was",
         "B": "that it's off the map",
@@ -692,7 +692,7 @@ carried = Prediction(
     },
     right="B",
     robot=f"{(noticed - cut) * STEP:.1f} s after it was carried it says that it's off the map. "
-    f"After {(found - cut) * STEP:.1f} s it knows its new place.",
+    f"After {(found - cut) * STEP:.1f} s it's right about its new place.",
     tempting="C",
     because="what it sees there is on the map. But belief moves along edges, and none leads there. "
     "First the old place is contradicted; from off the map it may come back anywhere.",
@@ -705,7 +705,7 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# Now go through the whole drive. Watch how the belief begins, in a room that has twins, and when it knows in which one.
+# Now go through the whole drive. Watch how the belief begins in a room that has twins, and when it settles on one.
 
 
 # %% hidden=true
@@ -856,7 +856,7 @@ else:
 #
 # A robot in a twin misses the next photo, and plans again. The best plan may lead back to where it came from, and there the best plan leads forward again. So it needs a memory of where it has been. The paper leaves that to future work (III-G): count the visits, and plan *around* what was visited often. The rules are ours.
 #
-# Don't remove what was visited twice: a dead end is left on the path on which it was entered. Its edges only become less probable, so any other path is taken first.
+# Don't remove a vertex that was visited twice: the only way out of a dead end is the way in. The edges to it just become less probable, so any other path comes first.
 #
 # ### Exercise 5 · `around_cycles` (easy, 8 minutes)
 #
@@ -899,7 +899,7 @@ around_cycles = check_around_cycles.use(around_cycles)
 # %% [markdown]
 # ## 8 · The same door, once more
 #
-# The first screen's trip, now with the map by sequences, a belief, a count of visits, and as many plans as it takes. It still can't know in which room it is. Watch for the moment when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
+# Here's the first screen's trip, with the map by sequences, a belief, a count of visits, and as many plans as it takes. It still can't know which room it's in. Watch for when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
 
 # %% hidden=true
 # The first screen's trip with all remedies (about 15 s)
@@ -921,7 +921,7 @@ film_of(today, map_poses, again, at_goal, 8)
 #
 # A handful of trips can't tell. Here are 500 in ten offices, as `python -m tutorial_lib experiment meng_fig12` ran them.
 #
-# - `sequence`: edges, reused vertices, and the robot's own vertex by sequences; turn edges, which no sequence confirms, only as a last resort;
+# - `sequence`: sequences confirm edges, reused vertices, and the robot's own vertex; a [[turn edge]], which none confirms, is a last resort;
 # - `replan`: a lost robot plans again, and so does one that has coasted for long;
 # - `cycles`: visits are counted, and plans lead around them;
 # - `filter`: the belief says where a plan begins, and when it's void. Off the map, the robot turns, backs up, and says *lost* if no vertex is plausible.
@@ -983,19 +983,19 @@ display(remedy)
 # <details><summary>Alone, three of them do nothing. Why are two of those missed when they're left out?</summary>
 # They need each other. On a folded map a belief can't tell twins apart. On the map by sequences it can, and more of the first plans begin in the right room, even where none may follow.
 # </details>
-# <details><summary>Do sequences and cycles do harm beside replanning?</summary>
+# <details><summary>Do sequences and cycles do harm next to replanning?</summary>
 # Without the filter, the other three together reach less than replanning alone, and more of their trips are out of time. A likely reason: on the map by sequences twins are different places, so it matters in which one a plan begins. Without a belief it often begins in the wrong one.
 # </details>
 # <details><summary>What are cycles good for, then?</summary>
-# They're an insurance. Where the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
+# They're insurance. Where the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
 # </details>
-# <details><summary>One edge in five is a wormhole even with sequences?</summary>
-# These offices are as bad as can be. A sequence of nine anchors that lies inside the twins matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences bring are good edges: the map that isn't folded has four times as many vertices. And so plans must be given up as easily as they're made.
+# <details><summary>One edge in five is a wormhole even with sequences, in the ten offices?</summary>
+# These offices are as bad as can be, on average far worse than yours. A sequence of nine anchors that lies inside the twins matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences bring are good edges: the map that isn't folded has four times as many vertices. And so plans must be given up as easily as they're made.
 # </details>
 #
 # ## 10 · The failures that remain
 #
-# Two of yesterday's trips; light blue is what was driven. Was the *map* wrong, the *localization*, or the *drive*? And which remedy would've helped?
+# Here are two of yesterday's trips. Amber was planned, light blue was driven. Was the *map* wrong, the *localization*, or the *drive*? And which remedy would've helped?
 
 # %% hidden=true
 # Two of yesterday's trips that failed, one from room 0 and one from a twin
@@ -1003,10 +1003,10 @@ failed = np.flatnonzero(~yesterday.outcome.success)
 from_0 = trials.pairs[failed, 0] == ACROSS
 gallery, names = [], []
 for i in [*failed[~from_0][:1], *failed[from_0][:1]]:
-    picture = with_places(view)
+    picture, plan = with_places(view), yesterday.history[i][0].vertices
+    draw_plan(view, picture, single_poses, plan, trials.starts[i], trials.goal_poses[i])
     steps = max(round(yesterday.outcome.seconds[i] / STEP), 2)
     view.polyline(picture, yesterday.outcome.poses[:steps, i, :2], colours.TRACK, 3)
-    view.goal(picture, trials.goal_poses[i, :2])
     view.arrow(picture, yesterday.outcome.poses[steps - 1, i], colours.ROBOT, 9)
     gallery.append(picture)
     names.append(f"from {trials.pairs[i, 0]}: {words_of(yesterday.outcome, i)}")
@@ -1014,7 +1014,11 @@ print(f"With all remedies {share('all', 'late')} of the 500 trips still run out 
 show(side_by_side(gallery, names))
 
 # %% [markdown]
-# Now three cases for a robot with all remedies. Does it fail?
+# <details><summary>What was wrong?</summary>
+# Not the map: both robots have the same plan, out of room 0 and along the corridor, and no edge of it is a wormhole. It's the localization, twice. <i>From 2</i> the robot thinks it's in room 0. Planning again doesn't save it: with that alone it runs out of time. <i>From 0</i> it's right about its room. But in the corridor it takes one door for another, and jumps 6 m ahead on its plan. Here planning again is enough. With all remedies both arrive.
+# </details>
+#
+# Here are three cases for a robot with all remedies. Does it fail?
 #
 # <details><summary>It's carried from one room to its twin, to the same spot; its goal lies outside.</summary>
 # No, but it takes longer. Nothing in the room contradicts it; outside, the views do, and it plans again. If its goal were <i>in</i> the room, it would arrive there and not know that it's the wrong one.
@@ -1045,4 +1049,4 @@ show(side_by_side(gallery, names))
 #
 # Tonight your robot says *lost* when it's lost, and finds itself again. But it writes nothing down: the edge that fooled it today will fool it tomorrow. In [notebook 08](08_lifelong_maps.ipynb) somebody shuts a door, and the map learns.
 #
-# Good reading until then: the paper, III-G; on Bayes filters over topological maps, L. Suomela, J. Kalliola, H. Edelman and J.-K. Kämäräinen, [*PlaceNav*](https://arxiv.org/abs/2309.17260) (ICRA 2024); on sequences, M. J. Milford and G. F. Wyeth, [*SeqSLAM*](https://doi.org/10.1109/ICRA.2012.6224623) (ICRA 2012).
+# Good reading: the paper, III-G; on Bayes filters over topological maps, L. Suomela, J. Kalliola, H. Edelman and J.-K. Kämäräinen, [*PlaceNav*](https://arxiv.org/abs/2309.17260) (ICRA 2024); on sequences, M. J. Milford and G. F. Wyeth, [*SeqSLAM*](https://doi.org/10.1109/ICRA.2012.6224623) (ICRA 2012).

@@ -57,7 +57,7 @@ CASES = {
     "an empty map": ({}, [], 3, 0.5),
 }
 MISTAKES = """
-a visit is a coming: the same vertex several times in a row is one visit
+a visit is an arrival: the same vertex several times in a row is one visit
     [vertex for vertex, _ in groupby(visited)] -> visited
 a vertex may be visited several times, with others in between; yours counts each once
     [vertex for vertex, _ in groupby(visited)] -> set(visited)

@@ -81,7 +81,7 @@ each robot has moved on its own; yours moves all as the first one
     motion[:, None] -> motion[:1, None]
 row v of onward tells where v leads: (belief * leave) @ onward, not its transpose
     @ onward -> @ onward.T
-what leaves is that of the vertex it comes from: belief * leave first, then @ onward
+the share that leaves is that of the vertex it comes from: belief * leave first, then @ onward
     (belief * leave) @ onward -> (belief @ onward) * leave
 only what leaves arrives elsewhere, not the whole belief
     (belief * leave) @ -> belief @

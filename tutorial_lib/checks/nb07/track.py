@@ -79,8 +79,8 @@ looking costs time: look after a stride or after rules.interval steps, not at ea
     if far or waited >= rules.interval: -> if True:
 a robot that has not moved looks all the same after rules.interval steps
     waited >= rules.interval: -> waited >= rules.interval and not step:
-wait rules.interval steps from one look to the next, not one more: count in every step, also in that
-of the look
+wait rules.interval steps from one look to the next, not one more: the step right after
+a look counts, too
     odometry[0], rules.interval, -> odometry[0], rules.interval + 1,
     waited >= rules.interval -> waited > rules.interval
 wait rules.interval steps from one look to the next, not one less
