@@ -163,6 +163,14 @@ def match__degrees(node, seen, guess):
     return pose
 
 
+def match__degrees_by_thirds(node, seen, guess):
+    """are your steps in radians"""
+    pose, steps = guess, np.array([0.5, 0.5, 15]) / 3
+    for level in range(3):
+        pose = _best(node, seen, pose + _grid((3, 3, 3), steps / 3**level))
+    return pose
+
+
 def match__too_near(node, seen, guess):
     """reaches 0.5 m and 15 degrees"""
     pose = guess

@@ -145,6 +145,9 @@ def _broken(got: Array, want: Array, node: NDArray, seen: NDArray, guess: Array)
     if metres > 1.0 or turn > np.deg2rad(40):
         return "stay near the guess, which is at most 0.5 m and 15 degrees off"
     fits = fit(node, seen, np.array([got, want]))
+    metres, turn = _gap(got, want)
+    if metres <= NEAR and turn > TURNED:
+        return "the place is right, the heading isn't: are your steps in radians, and small enough?"
     if fits[0] < fits[1] - 0.02:
         return "another pose near the guess fits better: try more of them, and smaller steps"
     return "the fit is as good, but it's another place: which one did the guess mean?"
