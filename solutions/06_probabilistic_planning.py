@@ -626,7 +626,7 @@ def without(graph, excluded):
 # 2. **With a path** it follows. `"arrived"` is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those joined to it by edges *both ways*, in the whole `graph`. `GOAL` is never excluded. It may be lost `limits.replans` times and search again from the next step on; when it's lost once more, it ends with `"gave up"`.
 # 3. After `limits.steps` steps the end is `"late"`.
 #
-# The check sends robots through all kinds of trouble, and compares what they do, call by call.
+# The check compares what robots in all kinds of trouble do, call by call.
 #
 # <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often it was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
 # <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning continue with the next round. The vertex that was not reached stands on the path at robot.active; GOAL is not a key of graph. When the robot was lost, the next search begins with its counter at 0.</details>
@@ -858,7 +858,7 @@ sliders(
 )
 
 # %% [markdown]
-# The first cuts cost little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. And between some places a single cut is the end.
+# Often the first cut costs little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. And between some places a single cut is enough for a refusal.
 #
 # ## 6 · Start, or refuse?
 #
@@ -968,7 +968,7 @@ rows = [side_by_side(panels[n : n + 2], titles[n : n + 2]) for n in range(0, len
 show(stacked(rows, gap=8))
 
 # %% [markdown]
-# Amber is the plan, blue the track, and the vermilion dot marks where it was lost. Two kinds of failure come up again and again. The **first hop** leads straight through walls, to a corridor that looks alike: no vertex is really ahead, so the planner takes the most optimistic one. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
+# Amber is the plan, blue the track, and the vermilion dot marks where it was lost. Two kinds of failure come up often. The **first hop** leads straight through walls, to a corridor that looks alike: no vertex is really ahead, so the planner takes the most optimistic one. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
 #
 # **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$ a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far below that.
 
@@ -1149,7 +1149,7 @@ table({"edge, not passed each time": "", "tried": "d", "passed": "d"}, rows)
 # %% [markdown]
 # **Which edge is it?** Write it down before you go on. It should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips come once in a million.
 #
-# Now remove it. The pictures show the old plans, the titles the new ones.
+# Now remove it. The pictures show two old plans, and the titles describe the new ones.
 
 # %% hidden=true
 # The suspect: tried most often, and never passed
@@ -1178,7 +1178,7 @@ panels.append(stacked(views, ["from here", "to here"], gap=4))
 show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 
 # %% [markdown]
-# RE never said 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust what was driven only if it really was.
+# RE never said 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust what was driven only if it really was. On the left, amber's last hop is another lie: a single view promised 14 metres.
 #
 # Your `navigate` would replan around such an edge, and pay for it. So would the next robot, and the one after that: the edge is still on the map.
 #
@@ -1665,7 +1665,7 @@ table(head, rows, caption="averages over the trials in which it starts")
 #
 # ## 12 · The other thresholds
 #
-# Three numbers are worth remembering: build at 0.99, trust now at 0.92, give up at 0.4. Here are the defaults of the others.
+# Here are the three from section 4 once more, and the defaults of the others.
 
 # %% hidden=true
 # Thresholds on probabilities that have a default
