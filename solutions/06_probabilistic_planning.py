@@ -235,7 +235,7 @@ for p in (0.999, 0.99, 0.95, 0.9):
     print(f"twelve hops with {p}: {p**12:.3f}")
 
 # %% [markdown]
-# You want few hops, and you want sure hops. You can't always have both. **Take a pencil.**
+# You want few hops and sure hops. You can't always have both. **Take a pencil.**
 
 
 # %% hidden=true
@@ -264,7 +264,7 @@ display(pencil)
 # %% [markdown]
 # ### The shortest path in disguise
 #
-# A map has far too many paths to try. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. Beginning at the start, it settles one vertex after another, always the nearest seen so far.
+# A map has far too many paths to try. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start it settles one vertex after another, always the nearest seen so far.
 #
 # A *heap* hands you the nearest first. A vertex may lie in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
 #
@@ -802,7 +802,7 @@ display(carried)
 #
 # Your flat is kind: its rooms have different colours. So take the robot to a building with five places, 0 to 4, and a corridor all the way round. People drove there twenty times; the robot gets **twelve** of those drives. Some edges of its map are [[turn edge]]s, with a fixed probability of 0.95.
 #
-# Cut edges, each time the surest on the best path. Amber is the best path of all, green is the best one left, and vermilion is what was cut. Watch where the path jumps to another side of the building.
+# Cut edges, each time the surest on the best path. Amber is the best path of all, green is the best one left, vermilion was cut. Watch where the path jumps to another side of the building.
 
 # %% hidden=true
 # A building with a corridor all round, and the best path with some edges cut (about 10 s)
@@ -858,7 +858,7 @@ sliders(
 )
 
 # %% [markdown]
-# Often the first cut costs little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. And between some places a single cut is enough for a refusal.
+# Often the first cut costs little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. Between some places one cut is enough for a refusal.
 #
 # ## 6 · Start, or refuse?
 #
@@ -1149,7 +1149,7 @@ table({"edge, not passed each time": "", "tried": "d", "passed": "d"}, rows)
 # %% [markdown]
 # **Which edge is it?** Write it down before you go on. It should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips come once in a million.
 #
-# Now remove it. The pictures show two old plans, and the titles describe the new ones.
+# Now remove it. The pictures show two old plans, the titles describe the new ones.
 
 # %% hidden=true
 # The suspect: tried most often, and never passed
