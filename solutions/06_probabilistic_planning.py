@@ -3,7 +3,7 @@
 #
 # **The photo on the fridge.** *Take me here*, it says, and tonight your robot is parked at D. Twelve drives made its map, and two paths on that map lead to the photo.
 #
-# Green goes through walls. You saw that at once; the robot can't. Green takes two hops, because one photo happens to look right. Amber takes more, and each of them is nearly sure. *Will all the amber hops work?*
+# Green goes through walls. You saw that at once; the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more, each nearly sure. *Will all the amber hops work?*
 #
 # By the end your robot will plan, refuse, get lost, and find a lie in a map. Then it'll drive home, on your code.
 
@@ -208,7 +208,7 @@ hops = Prediction(
 display(hops)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 to 12 are for a second sitting, another 30. You need notebooks 04 and 05: a follower that drives along anchors, and a map whose edges carry RE, in formulas $\mathcal{RE}$. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Sections 9 to 12 are for a second sitting, another 30. You need notebooks 04 and 05: a follower that drives along anchors, and a map whose edges carry RE, written $\mathcal{RE}$ in formulas. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -216,7 +216,7 @@ display(hops)
 # A path's probability is a product. The logarithm makes it a sum, and the minus sign makes the most probable path the shortest.
 # </details>
 # <details><summary>Notebook 05: why is a wrong edge worse than a missing one?</summary>
-# Without an edge there's usually another path. A wrong one is a short cut, so plans go through it.
+# Without an edge there's usually another path. A wrong edge is a short cut, so plans go through it.
 # </details>
 # <details><summary>Notebook 04: the robot can't see its anchor any more. What does it do first?</summary>
 # It coasts to the last waypoint on odometry, and keeps looking. Only if nothing turns up in time does it say that it's lost.
@@ -228,14 +228,14 @@ display(hops)
 #
 # $$ P(\text{path}) = \prod_i \mathcal{RE}(\hat o_i, \hat o_{i+1}) . $$
 #
-# Watch what twelve hops make of a good edge.
+# Watch what twelve hops do to a good edge.
 
 # %%
 for p in (0.999, 0.99, 0.95, 0.9):
     print(f"twelve hops with {p}: {p**12:.3f}")
 
 # %% [markdown]
-# So few hops are good, and sure hops are good, and you can't always have both. **Take a pencil.**
+# You want few hops and sure hops. You can't always have both. **Take a pencil.**
 
 
 # %% hidden=true
@@ -264,12 +264,12 @@ display(pencil)
 # %% [markdown]
 # ### The shortest path in disguise
 #
-# A map has far too many paths to try. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start it settles one vertex after the other, always the nearest of those seen so far.
+# A map has far too many paths to try. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start it settles one vertex after another, always the nearest seen so far.
 #
-# A *heap* hands you the nearest first. A vertex may lie in it several times, once for each path that saw it. When it comes out for the first time, that's its shortest path; the other copies are stale.
+# A *heap* hands you the nearest first. A vertex may lie in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
 #
 # <details><summary>What if the length were −RE, or 1 − RE?</summary>
-# With −RE every further hop makes a path <i>shorter</i>, and driving in circles for ever is best. 1 − RE is nearly right near 1, but it makes doubtful hops look better than they are: in the small graph above it takes the path through E.
+# With −RE every further hop makes a path <i>shorter</i>, and driving in circles for ever is best. 1 − RE is nearly right near 1, but it makes doubtful hops look better than they are: in the small graph above it picks the path through E.
 # </details>
 #
 # ### Exercise 1 · `most_probable_path` (medium, 15 minutes)
@@ -316,9 +316,9 @@ most_probable_path = check_most_probable_path.use(most_probable_path)
 # %% [markdown]
 # ## 2 · Two ends that aren't on the map
 #
-# The task has a name: [[image-goal navigation]]. Your robot sees $o_\text{current}$, gets a photo $o_G$, and neither is on the map. So each plan adds edges for itself (III-F): from here to the vertices that look reachable, and from vertices to the photo. Nobody asks first *where* the robot is; the plan is the answer.
+# The task has a name: [[image-goal navigation]]. Your robot sees $o_\text{current}$, gets a photo $o_G$, and neither is on the map. So each plan adds its own edges (III-F): from here to the vertices that look reachable, and from vertices to the photo. Nobody asks first *where* the robot is; the plan is the answer.
 #
-# Below, every vertex that RE gives more than one half: blue dots from D, green dots to the photo. Look for those on the wrong side of a wall.
+# Dots mark each RE above one half: blue from D, green to the photo. One blue dot hides under the arrow, and two coincide at B. Which lie behind a wall?
 
 # %% hidden=true
 # What looks reachable from D, and what seems to lead to the photo
@@ -334,7 +334,7 @@ words = f"{far.sum()} of {len(near)} blue ones are far off: their photos"
 show(side_by_side([picture, seen], ["", words], gap=10))
 
 # %% [markdown]
-# A hop on the map was checked by a whole sequence of photos. These new ones rest on a **single view**, so they're the weakest hops of any plan. A wrong one seldom wins, since the right ones nearby have a higher RE. Where there's no right one, it's taken.
+# A hop on the map was checked by a whole sequence of photos. The new hops rest on a **single view**, so they're any plan's weakest. A wrong hop seldom wins, since the right ones nearby have a higher RE. Where there's no right one, it wins.
 #
 # A goal may also come as *several* photos ("a kitchen like this one, or that one"); reaching one is enough.
 #
@@ -394,7 +394,7 @@ show(stacked([picture], [f"{len(path) - 1} hops, probability {probability:.3f}"]
 #
 # Overnight, someone puts another photo on the fridge. It shows a room in an office across town. A graph search finds *some* path as soon as a single edge leads to the goal.
 #
-# Here are the twelve goals at home, and forty photos from the office. For each we ask a few randomly drawn photos of the map and keep the best RE.
+# Take twelve goals at home, and forty photos from the office. For each, we ask a few random photos of the map and keep the best RE.
 
 # %% hidden=true
 # The best of n vertices, for photos of this flat and of another building
@@ -473,8 +473,8 @@ display(swapped)
 #
 # In this order:
 #
-# 1. Plan with edges from `HERE` above `rules.p_query` and to `GOAL` above `rules.p_goal`. If there's a path, start if its probability is at least `rules.least`; the reason not to is then the empty string `""`. Otherwise it's `"too improbable"`.
-# 2. If there's none, is the goal not on the map, or is there no path? Plan again, with `rules.p_query` at both ends. If there's a path *now*, the reason is `"not on the map"`, otherwise `"no path"`.
+# 1. Plan with edges from `HERE` above `rules.p_query` and to `GOAL` above `rules.p_goal`. If there's a path with a probability of at least `rules.least`, start: the reason is the empty string `""`. If the path is less probable, it's `"too improbable"`.
+# 2. If there's none, plan again, with `rules.p_query` at both ends. If there's a path *now*, only the goal was doubtful: the reason is `"not on the map"`. Otherwise it's `"no path"`.
 #
 # A refusal returns the path and its probability all the same; the user may want to overrule it.
 #
@@ -522,7 +522,7 @@ for name, answers in (("of the flat", decisions), ("of the office", foreign_deci
 table({"photos": "", **{reason or "starts": "d" for reason in REASONS}}, rows)
 
 # %% [markdown]
-# A robot that starts for a place that doesn't exist trusts a look-alike. Here's the most convincing one. Would you have refused?
+# A photo that resembles nothing at home ends as *no path*. A robot that starts trusts a look-alike. Here's the most convincing one. Would you have refused?
 
 # %% hidden=true
 # The most convincing photo of the office
@@ -554,7 +554,7 @@ show(
 #
 # ### Exercise 4 · `travel` (medium, 8 minutes)
 #
-# `plan(excluded)` plans from where the robot is now, without a set of vertices. It returns a path from `HERE` to `GOAL`, or `[]` when it refuses. `drive(path)` drives, and returns `None` on arrival; otherwise the **place** along the path of the vertex that it couldn't reach: 1 for the first after `HERE`. After the first plan there may be `replans` more. `GOAL` is never excluded: if the robot can't reach that from the last vertex, it just replans.
+# `plan(excluded)` plans from where the robot is now, without a set of vertices. It returns a path from `HERE` to `GOAL`, or `[]` when it refuses. `drive(path)` drives, and returns `None` on arrival; otherwise the **place** (index) in the path of the vertex that it couldn't reach: 1 for the first after `HERE`. After the first plan there may be `replans` more. `GOAL` is never excluded: if the robot can't reach it from the last vertex, it just replans.
 #
 # <details><summary>Hint 1: concept</summary>A loop of replans + 1 rounds: plan, give up if refused, drive, return on arrival, remember what could not be reached.</details>
 # <details><summary>Hint 2: approach</summary>The set lives outside of the loop, so that it grows. path[stopped] is the vertex; GOAL is not a vertex of the map, so there is nothing to exclude if it could not be reached from the last vertex.</details>
@@ -621,12 +621,12 @@ def without(graph, excluded):
 #
 # 1. **Without a path** the robot searches. In the first step of a search, and then every `limits.interval` steps, it looks and decides, on the map without what's excluded. What `decide` returns goes into a list of all plans.
 #    - A path, and no reason against it? Follow it, in this very step.
-#    - A path and a *reason*? If the robot was never lost, that's the end: `"refused"`. Once it was lost, it takes the path all the same: rather an improbable path than none.
-#    - No path? Turn for this step. If it has turned for `limits.search` steps of this search, it gives up instead: `"gave up"`. A look that's due in this step comes first.
-# 2. **With a path** it follows. `"arrived"` is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those to which an edge leads from it *and* from which one leads back, in the whole `graph`. `GOAL` is never excluded. It may be lost `limits.replans` times and search again from the next step on; when it's lost once more, it ends with `"gave up"`.
+#    - A path and a *reason*? If the robot was never lost, that's the end: `"refused"`. Once it's been lost, it takes the path all the same: better an improbable path than none.
+#    - No path? Turn for this step. After `limits.search` steps of turning in this search it ends instead, with `"gave up"`. A look that's due in this step comes first.
+# 2. **With a path** it follows. `"arrived"` is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those joined to it by edges *both ways*, in the whole `graph`. `GOAL` is never excluded. It may be lost `limits.replans` times and search again from the next step on; when it's lost once more, it ends with `"gave up"`.
 # 3. After `limits.steps` steps the end is `"late"`.
 #
-# The check sends robots through all kinds of trouble, and compares what they do, call by call.
+# The check compares what robots in all kinds of trouble do, call by call.
 #
 # <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often it was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
 # <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning continue with the next round. The vertex that was not reached stands on the path at robot.active; GOAL is not a key of graph. When the robot was lost, the next search begins with its counter at 0.</details>
@@ -796,13 +796,13 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# That's all the "kidnapped robot problem" is to a robot without a position: one more plan. What it excluded is innocent; it can't know whether the vertex is wrong or its own place is. That costs little while other vertices are left. And if the new plan is wrong, too, it'll be lost somewhere else: "the location where robot detects the discrepancy is likely distinct" (III-G).
+# That's all the "kidnapped robot problem" is to a robot without a position: one more plan. The vertices it excluded are innocent; it can't know whether a vertex is wrong or its own place is. That costs little while other vertices are left. And if the new plan is wrong, too, it'll be lost somewhere else: "the location where robot detects the discrepancy is likely distinct" (III-G).
 #
 # ## 5 · A field trip
 #
-# Your flat is kind: its rooms have different colours. So take the robot to a building with a corridor all round, and five places, 0 to 4. People drove there twenty times; the robot gets **twelve** of those drives. Some edges of its map are [[turn edge]]s, with a fixed probability of 0.95.
+# Your flat is kind: its rooms have different colours. So take the robot to a building with five places, 0 to 4, and a corridor all the way round. People drove there twenty times; the robot gets **twelve** of those drives. Some edges of its map are [[turn edge]]s, with a fixed probability of 0.95.
 #
-# Remove edges, always the most probable one of the best path. Amber is the best path of all, green the best one that's left, vermilion what was cut. Watch where the path jumps to another side of the building.
+# Cut edges, each time the surest on the best path. Amber is the best path of all, green is the best one left, vermilion was cut. Watch where the path jumps to another side of the building.
 
 # %% hidden=true
 # A building with a corridor all round, and the best path with some edges cut (about 10 s)
@@ -858,11 +858,11 @@ sliders(
 )
 
 # %% [markdown]
-# The first cuts cost little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. And between some places a single cut is the end.
+# Often the first cut costs little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. Between some places one cut is enough for a refusal.
 #
 # ## 6 · Start, or refuse?
 #
-# Thirty-two robots stand anywhere in this building, many of them looking aside. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen of them are for you to study. Watch the vermilion ones: what do their plans have in common?
+# Thirty-two robots stand anywhere in this building, many of them looking sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen of them are for you to study. Watch the vermilion ones: what do their plans have in common?
 
 # %% hidden=true
 # Thirty-two robots, one plan each (about 15 s)
@@ -968,7 +968,7 @@ rows = [side_by_side(panels[n : n + 2], titles[n : n + 2]) for n in range(0, len
 show(stacked(rows, gap=8))
 
 # %% [markdown]
-# Amber is the plan, blue the track, and the vermilion dot marks where it was lost. Two kinds of failure come up again and again. The **first hop** leads straight through walls, to a corridor that looks alike: no vertex is really ahead, so the planner takes the most optimistic one. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
+# Amber is the plan, blue the track, and the vermilion dot marks where it was lost. Two kinds of failure come up often. The **first hop** leads straight through walls, to a corridor that looks alike: no vertex is really ahead, so the planner takes the most optimistic one. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
 #
 # **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$ a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far below that.
 
@@ -1033,12 +1033,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust only the very sure.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. The numbers were seen on the sixteen robots above, and are judged on others.
+# <i>Trust only the very sure.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots above; other robots judge them.
 # </details>
 #
 # ## 7 · A lie in the map
 #
-# A colleague has built a map of the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart is a **[[wormhole]]**.
+# A colleague has built a map of the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]**.
 
 # %% hidden=true
 # The colleague's map, and the plans on it
@@ -1087,9 +1087,9 @@ display(curse)
 #
 # ### The hunt
 #
-# Now a map that differs from ours by a **single** false edge, and that edge looks very sure: 0.999. You don't know which one it is. Six robots have driven by this map, without replanning. Find it from how their trips ended, as you'd have to with a real robot and no floor plan.
+# The next map differs from ours by a **single** false edge, and that one looks very sure: 0.999. You don't know which it is. Six robots have driven by this map, without replanning. Find it from how their trips ended, as you'd have to with a real robot and no floor plan.
 #
-# For each trip you have its path, and the place of the vertex that couldn't be reached. What does a trip say about an edge? Those before that place were **tried and passed**. The edge that leads to it was **tried, and not passed**. About those behind it the trip says nothing.
+# For each trip you have its path, and the place of the vertex that couldn't be reached. What does a trip say about an edge? The edges before that place were **tried and passed**. The edge into it was **tried, and not passed**. About later edges the trip says nothing.
 #
 # ### Exercise 6 · `tally` (easy, 7 minutes)
 #
@@ -1149,7 +1149,7 @@ table({"edge, not passed each time": "", "tried": "d", "passed": "d"}, rows)
 # %% [markdown]
 # **Which edge is it?** Write it down before you go on. It should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips come once in a million.
 #
-# Remove it, replan, and look where it was.
+# Now remove it. The pictures show two old plans, the titles describe the new ones.
 
 # %% hidden=true
 # The suspect: tried most often, and never passed
@@ -1178,7 +1178,7 @@ panels.append(stacked(views, ["from here", "to here"], gap=4))
 show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 
 # %% [markdown]
-# RE never said 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. Trusting what was driven needs that it really was.
+# RE never said 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust what was driven only if it really was. On the left, amber's last hop is another lie: a single view promised 14 metres.
 #
 # Your `navigate` would replan around such an edge, and pay for it. So would the next robot, and the one after that: the edge is still on the map.
 #
@@ -1197,7 +1197,7 @@ show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 # | the map | `insert` with `reusable` and `ahead_of`; `weakest_aligned`, `edge_weights` | 05 |
 # | planning and navigating | `navigate` with `decide`, `join_ends` and `most_probable_path` | 06 |
 #
-# The networks, speed limits and the world stay the library's. Give your robot its name in the first line, and watch how it faces when it arrives: that's what your `transition` calls arrival.
+# The networks, speed limits and the world stay the library's. Put your robot's name in the first line, and watch which way it faces at the end: that's what your `transition` calls arrival.
 
 # %%
 ROBOT = ""  # its name, for the title of the film
@@ -1488,7 +1488,7 @@ play([cv2.resize(film[i], (882, 532)) for i in numbers], 2, robot.seconds, count
 #
 # ## 9 · What a plan's number is worth
 #
-# **Second sitting.** In the challenge, plans kept failing that had promised 0.9. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin: starts anywhere, no replanning, no refusal; bins of equal size, and on the right the same plans after a calibration like notebook 03's, fitted on other worlds.
+# **Second sitting.** In the challenge, plans that had promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin. Robots start anywhere, and neither replan nor refuse; each bin holds equally many plans. The right panel shows them after a calibration like notebook 03's, fitted on other worlds.
 
 # %% hidden=true
 # The twin of Fig. 9, from a stored run
@@ -1514,7 +1514,7 @@ show(from_figure(figure))
 # The order is right, and the numbers are too high. Why? Here are four made-up worlds, in which we know the truth. Paths have 2 to 20 hops, and the true probability of a hop is anything from 0.9 to 1.
 #
 # 1. **As assumed.** RE is true, and hops are independent.
-# 2. **Shared luck.** RE is true for each hop, but a robot that drives well here drives well there.
+# 2. **Shared luck.** RE is true for each hop, but a robot that drives one hop well drives all of them well.
 # 3. **Replanning.** As 1, but a failed hop gets a second try, which repairs nearly half of the failures.
 # 4. **The best of many.** RE is right on average but noisy, and the planner takes the best of thirty paths.
 
@@ -1584,9 +1584,9 @@ luck = Prediction(
 display(luck)
 
 # %% [markdown]
-# Shared luck and a second chance make the product too low; choosing the best makes it too high. In Fig. 9 the choice wins. Many starts look aside, no vertex is really ahead, and one false first hop outweighs nine good ones after it.
+# Shared luck and a second chance make the product too low; choosing the best makes it too high. In Fig. 9, choosing outweighs both. Many robots start looking sideways, no vertex is really ahead, and one false first hop undoes nine good ones after it.
 #
-# There's another reason that no coin shows. RE of an edge is asked at the *anchor's photo*, but the robot arrives beside it, a little turned. So what remains is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
+# There's another reason, which no made-up world shows. RE of an edge is asked at the *anchor's photo*, but the robot arrives next to it, a little turned. So what remains is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
 #
 # ## 10 · What a table of successes hides
 #
@@ -1665,7 +1665,7 @@ table(head, rows, caption="averages over the trials in which it starts")
 #
 # ## 12 · The other thresholds
 #
-# Three numbers are worth remembering: build at 0.99, trust now at 0.92, give up at 0.4. Here are the defaults of the others.
+# Here are the three from section 4 once more, and the defaults of the others.
 
 # %% hidden=true
 # Thresholds on probabilities that have a default
@@ -1699,7 +1699,7 @@ table({"name": "", "default": "g", "meaning": ""}, rows)
 # 10. Why do plans promise too much, though RE is right on average?
 #
 # <details><summary>Answers</summary>
-# 1. It coasts on odometry and keeps looking. 2. Ahead the robot sees its target; behind, it doesn't. 3. Overconfident: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. It's the best of many; some photo looks a bit like anything. 7. Once it was lost: rather an improbable path than none. 8. Those that were lost before they came to it, and those that never planned through it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.
+# 1. It coasts on odometry and keeps looking. 2. Ahead the robot sees its target; behind, it doesn't. 3. Overconfident: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. It's the best of many; some photo looks a bit like anything. 7. Once it's been lost: better an improbable path than none. 8. Those that were lost before they came to it, and those that never planned through it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.
 # </details>
 #
 # After this notebook you can

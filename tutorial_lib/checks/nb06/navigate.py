@@ -276,7 +276,7 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
         return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}: {why}"
     if len(got[3]) != len(want[3]):
         longer = len(got[3]) > len(want[3])
-        more, rest = ("goes on", got[3]) if longer else ("ends", want[3])
+        more, rest = ("goes on", got[3]) if longer else (f"ends with {got[0]!r}", want[3])
         least = min(len(got[3]), len(want[3]))
         when = f"after {number_of(least, 'call')}"
         return f"{when} yours {more}, with {rest[least][0]} to come; {_end(want)}"
@@ -304,7 +304,7 @@ _DUE = {
 
 
 def _end(want: tuple[Any, ...]) -> str:
-    return f"it ends with {want[0]!r} after {number_of(len(want[3]), 'call')}"
+    return f"the right end is {want[0]!r}, after {number_of(len(want[3]), 'call')}"
 
 
 check_navigate = exercise(
