@@ -330,7 +330,7 @@ show(from_figure(figure))
 #
 # "How few" can mean two things:
 #
-# - **[[sparsity]]**: anchors / images. It says how many images are *compared* on the way, and how large a map becomes.
+# - **[[sparsity]]**: anchors / images. It says how many images are *compared*, and how large a map becomes.
 # - **stored**: an anchor $\hat o_i$ brings its [[context]], the images $i - k\Delta T, \dots, i, \dots, i + k\Delta T$ with $\Delta T = 3$. Anchors close together share some of them.
 #
 # ### Exercise 2 · `frames_to_keep` (easy, 8 minutes)
@@ -696,7 +696,7 @@ show(side_by_side([plan, near], ["blue: carried off; black: put down", words], g
 #
 # ### The whole machine
 #
-# Those were the films; here's what they add up to. *Search*, *Follow* and *Dead reckoning* are the paper's (III-H); *Lost* and *Done* are ours. The loop adds an arrow from Follow to Lost, for those 5 s.
+# Here's what those films add up to. *Search*, *Follow* and *Dead reckoning* are the paper's (III-H); *Lost* and *Done* are ours. The loop adds an arrow from Follow to Lost, for those 5 s.
 
 # %%
 show(follower_machine())
