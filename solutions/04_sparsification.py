@@ -132,7 +132,7 @@ six = Prediction(
     {"A": "one about every 3.5 m", "B": "one before each door", "C": "a long gap first"},
     right="B",
     robot=f"with A it gets {six_metres[0]:.0f} of {arc[-1]:.0f} m, with B {six_metres[1]:.0f}, with "
-    f"C {six_metres[2]:.0f}.",
+    f"C {six_metres[2]:.0f}. Where a track is vermilion, its image is out of sight.",
     tempting="A",
     because="no gap is long. But 9 looks across the living room, and 18 lies behind the door. Just "
     "before a door, an image shows what's behind it.",
@@ -142,7 +142,7 @@ six = Prediction(
 display(six)
 
 # %% [markdown]
-# **120 minutes.** Sections 8 to 10 are for a second sitting, another 30. You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to what an image shows, and the [[reachability estimator]], in formulas $\mathcal{RE}$, the probability that it arrives. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; the [page of results](../tutorial_lib/results/README.md) says where we differ.
+# **120 minutes.** Sections 8 to 10 are for a second sitting, another 30. You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to what an image shows, and the [[reachability estimator]] $\mathcal{RE}$, which predicts how probably it arrives. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; the [page of results](../tutorial_lib/results/README.md) says where we differ.
 #
 # **Three old questions first.**
 #
@@ -228,7 +228,7 @@ show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 # %% [markdown]
 # ## 2 · The whole drive
 #
-# Now the drive itself, ten images a second. RE goes from each image to the next 60, four metres and more, by the network with $k = 2$. The first slider moves the threshold, the second picks an anchor. Watch where its curve first dips below the line.
+# Now the drive itself, ten images a second. From each image the network with $k = 2$ predicts RE of the next 60, four metres or more. The first slider moves the threshold, the second picks an anchor. Watch where its curve first dips below the line.
 
 # %% hidden=true
 # RE from each image to the next 60, and two sliders (about 5 s)
@@ -282,7 +282,7 @@ sliders(
 )
 
 # %% [markdown]
-# For a metre or two RE is nearly sure. Then it wavers about the line, which is why *all* must hold, and then it sinks: what lies there, the image here doesn't show. So the drive needs only a handful of its images.
+# For a metre or two RE is nearly sure. Then it wavers about the line, and that's why *all* must hold. Then it sinks: the image here doesn't show what lies there. So the drive needs few of its images.
 #
 # Your robot **builds at 0.99**. That's the first of three thresholds worth knowing by heart.
 #
@@ -290,7 +290,7 @@ sliders(
 # The rule is greedy. An anchor that stands a little earlier may see farther.
 # </details>
 #
-# How far would the rule get from *every* image? With it, how far the nearest wall is, and how much the car turns within a metre. Watch the teeth.
+# How far would the rule get from *every* image? Two suspects are drawn, too: the nearest wall and the car's turning. Watch where the blue curve falls.
 
 
 # %% hidden=true
@@ -316,7 +316,7 @@ figure, (axis,) = chart(9.0, 3.6)
 axis.fill_between(along, np.deg2rad(turns), color=colours.unit(colours.PATH), alpha=0.5)
 axis.plot(along, np.deg2rad(turns), color=colours.unit(colours.PATH), label="turn within 1 m, rad")
 axis.plot(along, clearance[: len(sight)], color="0.6", label="to the nearest wall, m")
-axis.plot(along, sight, color=colours.unit(colours.ROBOT), label="the rule gets, m")
+axis.plot(along, sight, color=colours.unit(colours.ROBOT), label="how far it gets, m")
 axis.plot(arc[anchors], 0 * anchors, "|", markersize=16, markeredgewidth=3, label="anchors")
 axis.lines[-1].set_color(colours.unit(colours.GOAL))
 axis.set(ylim=(-0.2, None), xlim=(-0.1, arc[-1] + 0.1), xlabel="metres along the drive")
@@ -324,13 +324,13 @@ figure.legend(loc="outside upper center", ncols=4, fontsize=11, frameon=False)
 show(from_figure(figure))
 
 # %% [markdown]
-# Where a flank falls by one metre per metre, the run ends at the *same* image wherever it begins: something there can't be seen from before. Past it the view opens, and the curve jumps up. The small teeth are noise: one RE just below the line ends a run.
+# Where it falls by one metre per metre, the run ends at the *same* image wherever it begins: something there can't be seen from before. Past it the view opens, and the curve jumps up. The small teeth are noise: one RE just below the line ends a run. Here turning shortens it a little, and the wall hardly does.
 #
 # ## 3 · What they cost
 #
 # "How few" can mean two things:
 #
-# - **[[sparsity]]**: anchors / images. So many images are *compared* on the way, and so large will a map become.
+# - **[[sparsity]]**: anchors / images. It says how many images are *compared*, and how large a map becomes.
 # - **stored**: an anchor $\hat o_i$ brings its [[context]], the images $i - k\Delta T, \dots, i, \dots, i + k\Delta T$ with $\Delta T = 3$. Anchors close together share some of them.
 #
 # ### Exercise 2 · `frames_to_keep` (easy, 8 minutes)
@@ -507,9 +507,9 @@ axis.legend(fontsize=10, loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# An active anchor that's too near is reached before the next one is taken. One that's too far is no good either: the robot leaves the recorded way, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where it wasn't asked), at each step:
+# If the active anchor is too near, the robot brakes before it takes the next one. If it's too far, the robot leaves the recorded way, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where it wasn't asked), at each step:
 #
-# 1. **Last visited.** Of the three anchors before, at and after the active one (fewer at the ends of the path) take the closest, the one with the largest overlap. It counts as visited if its overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
+# 1. **Last visited.** Compare the active anchor with the ones just before and after it, if any. The closest has the largest overlap. It counts as visited if that overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
 # 2. **Active.** Advance by one, if there is a next one, and
 #     - the next one is reachable, above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
 #     - the active one, or the one after it, was visited, now or earlier: then the robot must move on, whatever the next one's $\mathcal{RE}$.
@@ -559,7 +559,7 @@ move_on = check_move_on.use(move_on)
 # %% [markdown]
 # ### It can't make up its mind
 #
-# RE of the active anchor isn't always high. The paper's robot trusts an anchor above 0.92; below that it lets go, and drives on by odometry to where it last wanted to go. Here's that robot on the way to the fridge, in blue. Vermilion is another one, which somebody carries off after 12 s.
+# RE of the active anchor isn't always high. The paper's robot trusts an anchor above 0.92; below that it lets go, and drives on by odometry to where it last wanted to go. Here's that robot on its way, in blue. Somebody carries off the vermilion one after 12 s.
 
 
 # %% hidden=true
@@ -602,7 +602,7 @@ line = Prediction(
     {"A": "at 0.9, just below", "B": "at 0.4", "C": "at 0.05"},
     right="B",
     robot=f"with a single line it lets go {changes_of(ONE)} times though nothing is wrong. With a "
-    f"second one at 0.4 it lets go {changes_of(USUAL)} times, and the carried one at once.",
+    f"second one at 0.4 it lets go {changes_of(USUAL)} times, and the carried one still does.",
     tempting="C",
     because="it never lets go without need. But it doesn't let go in the wrong room either.",
     before=trust_chart(ONE, [0.92], f"One line: it lets go {changes_of(ONE)} times"),
@@ -649,17 +649,17 @@ def waypoint_picture(robot, told):
 carrot = Prediction(
     "04",
     "carrot",
-    "Each step it drives to 1 m ahead and 0.6 m to the left. The ring: where that was at first.",
+    "Each step it heads for 1 m ahead and 0.6 m to the left. The ring marks where that was first.",
     {
         "A": "it stops at the ring",
-        "B": "it never gets there, and drives on",
+        "B": "it drives on and on",
         "C": "it overshoots, and comes back to the ring",
     },
     right="B",
     robot="it chases a carrot on a stick: the waypoint moves with it, always 1 m ahead and 0.6 m to "
     "the left, until something is in the way.",
     tempting="A",
-    because="so it does as long as it sees its anchor, since it gets a new waypoint ten times a "
+    because="that's what it does while it sees its anchor, since it gets a new waypoint ten times a "
     "second. The bug shows only when the anchor is out of sight.",
     before=side_by_side([waypoint_picture(0, False)], height=300),
     after=side_by_side(
@@ -696,7 +696,7 @@ show(side_by_side([plan, near], ["blue: carried off; black: put down", words], g
 #
 # ### The whole machine
 #
-# Those were the films; here's what they add up to. The paper has three of these states (III-H: *Search*, *Follow*, *Dead reckoning*), *Lost* and *Done* are ours.
+# Here's what those films add up to. *Search*, *Follow* and *Dead reckoning* are the paper's (III-H); *Lost* and *Done* are ours. The loop adds an arrow from Follow to Lost, for those 5 s.
 
 # %%
 show(follower_machine())
@@ -706,7 +706,7 @@ show(follower_machine())
 #
 # - **Search:** if the best anchor is above `rules.p_search`, it becomes active and the robot follows; visited is the anchor before it (−1 if it is the first). Otherwise the robot is lost.
 # - **Follow:** if the active anchor is the last one and the robot is there (`at`), it's done; a high overlap with it isn't enough. Otherwise `move_on`. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following, else it goes over to dead reckoning.
-# - **Dead reckoning:** back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise lost, after *more* than `rules.timeout` seconds. The active anchor stays.
+# - **Dead reckoning:** it goes back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise it's lost after *more* than `rules.timeout` seconds. The active anchor stays.
 #
 # A robot that becomes lost or done keeps the active and visited anchors that went in.
 #
@@ -751,7 +751,7 @@ transition = check_transition.use(transition)
 # %% [markdown]
 # ### The loop
 #
-# Now one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things, a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice that it gets nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`: in Search, both anchors −1.
+# Now one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things, a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice that it gets nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`, in Search, with both anchors −1.
 #
 # Each step observes (given), and then:
 #
@@ -759,7 +759,7 @@ transition = check_transition.use(transition)
 # 2. **The next state:** `transition`, with `waited`. A robot that's lost or done stops: the step returns `None` in place of a point to drive to, and its `place`, `waited` and `nearest` no longer matter.
 # 3. **The place:** a new waypoint is taken, that of the (new) active anchor, if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
 # 4. **The point** to drive to is the place, in the robot's present frame.
-# 5. **Progress:** the state or the active anchor has changed in this step; or the new state is Follow, and the point is nearer than `nearest` by more than 0.05 m. With progress, `waited` becomes 0, and `nearest` the distance to the point. Without it, `waited` grows by 0.1 s, and `nearest` stays.
+# 5. **Progress** is made if the state or the active anchor has changed in this step; or if the new state is Follow, and the point is nearer than `nearest` by more than 0.05 m. With progress, `waited` becomes 0, and `nearest` the distance to the point. Without it, `waited` grows by 0.1 s, and `nearest` stays.
 # 6. **Giving up:** a robot in Follow that has waited for more than `rules.effort` seconds is lost, too, and the step returns `None`.
 #
 # <details><summary>Why is coming nearer no progress in dead reckoning?</summary>
@@ -853,13 +853,13 @@ print(f"{end * STEP:.0f} s; at the end {off_by:.2f} m from where the drive ended
 show(side_by_side([numbered], height=480))
 
 # %% [markdown]
-# That was the good case. Four more robots set off with the first, without seeing one another. After 12 s one is pushed aside, one is turned, and one is carried to another room. No odometer notices. The fourth meets a person who walks towards it, waits, and turns back.
+# That was the good case. Four more robots set off with the first, without seeing one another. After 12 s one is pushed aside, one is turned, and one is carried to another room. No odometer notices. A person walks towards the fourth, waits, and turns back.
 
 # %% hidden=true
 # Which of the four arrive?
 base = with_drive(view, anchors, 9)
 MOMENTS = {robot: WHEN + np.array([-3, 2, 10, 25, 60]) for robot in (PUSHED, TURNED, AWAY)}
-MOMENTS[MET] = np.array([110, 140, 150, 170, 190])
+MOMENTS[MET] = np.array([130, 140, 150, 170, 190])
 
 
 def strips(robots, shown):
@@ -889,7 +889,7 @@ five = Prediction(
     robot=f"{sum(arrives)} of the four arrive. The carried one knows that it's lost "
     f"{(np.argmax(states[:, AWAY] == State.LOST) - WHEN) * STEP:.0f} s after it was put down.",
     tempting="B",
-    because="the person hides what the robot looks for. But only for a few seconds at a time, and "
+    because="the person hides what the robot looks for. But that lasts only seconds at a time, and "
     "meanwhile it coasts. The pushed one isn't told of the push; it still sees its anchor.",
     before=side_by_side(halves, gap=24),
     after=strips(DISTURBED, range(5)),
@@ -906,9 +906,9 @@ for robot in range(5):
 show(stacked([*ribbons, state_legend(900)], [*NAMES, ""], gap=2))
 
 # %% [markdown]
-# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S. Behind a *person* the robot coasts, and goes on once it sees enough. If the person stays for longer than the timeout, it gives up on the right way; a planner would try again, in notebook 06. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
+# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S. Behind a *person* the robot coasts, and goes on once it sees enough. If the person stayed longer than the timeout, the robot would give up, though its way is right. A planner tries again, in notebook 06. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
 #
-# Five robots are anecdotes. In twenty buildings that no network has seen, the [page of results](../tutorial_lib/results/README.md#disturbances) counts them.
+# Five robots are anecdotes. The [page of results](../tutorial_lib/results/README.md#disturbances) counts more, in twenty buildings that no network has seen.
 #
 # Wheels slip, too. Here speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$, ten times a second.
 
@@ -1005,7 +1005,7 @@ else:
 #
 # ## 7 · How few will do?
 #
-# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres that are followed before the robot strays, touches something or gives up, over all metres. Its rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's the twin of the paper's Fig. 7. Solid: RE chooses. Dashed: every n-th. Watch the left ends.
+# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres that are followed before the robot strays, touches something or gives up, over all metres. Its rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's the twin of the paper's Fig. 7. Solid, *meng*: RE chooses. Dashed, *sptm*: every n-th. Watch the left ends.
 
 # %% hidden=true
 # Cover rate against sparsity, from a stored run
@@ -1026,7 +1026,7 @@ show(cover_chart(clean, "sparsity", 8.0))
 #
 # ## 8 · A field trip
 #
-# **Second sitting.** The flat down the road: no network has seen it, and 24 drives were recorded there. Their anchors are sparser than yours, at 0.95, so that more goes wrong. *Random* drives to random points, and the *oracle* knows its pose and the drive. Watch how much of the oracle's lead the library's follower wins back from yours.
+# **Second sitting.** No network has seen the flat down the road, where 24 drives were recorded. Their anchors are sparser than yours, at 0.95, so that more goes wrong. *Random* drives to random points, and the *oracle* knows its pose and the drive. Watch how much of the gap between yours and the oracle the library's follower closes.
 
 # %% hidden=true
 # Follow 24 drives at random, by you, by the library, and by an oracle (about 30 s)
@@ -1122,7 +1122,7 @@ show(stacked([side_by_side(panels, titles, height=min(520, len(panels[0]))), sta
 #
 # ## 9 · A detective story
 #
-# Some of the 24 drives even the library's follower doesn't finish. What do they have in common? First suspects: length, tight places, sharp bends, reversing. Compare how often it fails with each of them and without it.
+# Even the library's follower doesn't finish all 24 drives. What do the failures have in common? The first suspects are length, tight places, sharp bends and reversing. Compare how often it fails with each of them, and without.
 
 # %% hidden=true
 # How often it fails, with and without each suspect
@@ -1152,7 +1152,7 @@ early = (metres[~covered_whole] < 3.0).sum()
 print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 
 # %% [markdown]
-# A few failures prove little, and the suspects come together on the same drives. The last line is the clue: most fail where they *begin*. There the recorded car goes back and forth, to turn round in a room. Why should that be hard? Here are four scenes of the crime. Vermilion is the anchor that it drove to in the end, and the robot stands where it set off towards it.
+# A few failures prove little, and the suspects come together on the same drives. The last line is the clue: most fail where they *begin*. There the recorded car goes back and forth, to turn round in a room. Why should that be hard? Here are four scenes of the crime. The vermilion arrowhead is the anchor it last drove to; the robot stands where it set off.
 
 
 # %% hidden=true
@@ -1213,7 +1213,7 @@ from_robot, from_anchor = np.mean([row[3:] for row in log_rows], axis=0)
 cause = Prediction(
     "04",
     "cause",
-    "In at least three of these four: why doesn't it get to the vermilion anchor?",
+    "In at least two of these four: why doesn't it get to the vermilion anchor?",
     {
         "A": "the anchors are too far apart",
         "B": "it's at the right place, with the wrong heading",
@@ -1239,10 +1239,10 @@ table(headings, log_rows)
 # In a manoeuvre two anchors lie almost at one *place*, with different *headings*. "Reached" is defined by position alone, in the labels of RE as in the success of $\mathcal C$. So the waypoint of an anchor 0.2 m away says *you're there*, whatever the heading, and the robot sets off towards the next one. From the anchor's own image that one is reachable, and the sparsifier checks nothing else. From where the robot really stands it isn't.
 #
 # <details><summary>Doesn't the library's robot search for the heading?</summary>
-# It does, and often that saves it. But it steers by the overlap, and where anchors with opposite headings lie so close together, neither overlap nor waypoint tells them apart. And a car can't turn on the spot: while it turns, it drives away. Not every failure is of this kind; look for the exception in the table.
+# It does, and often that saves it. But it steers by the overlap, and where anchors with opposite headings lie so close together, neither overlap nor waypoint tells them apart. And a car can't turn on the spot: while it turns, it drives away. Not every failure is of this kind; look for exceptions in the table.
 # </details>
 #
-# A suspicion isn't a proof. If that's the cause, the same drives must work from the point where the car is under way. So: the same drives without their first 2 m, new anchors, the same follower.
+# A suspicion isn't a proof. If that's the cause, the same drives must work from the point where the car is under way. So take the same drives without their first 2 m, with new anchors and the same follower.
 
 # %% hidden=true
 # The same drives without their first metres (about 10 s)
@@ -1265,7 +1265,7 @@ table({"": "", "cover rate": ".1%"}, rows)
 #
 # ## 10 · Corners, or narrow places?
 #
-# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the next metre's least clearance and its turning. Vermilion ones lie on the first two metres.
+# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the next metre's least clearance and its turning. Vermilion dots lie on the first two metres.
 
 
 # %% hidden=true
@@ -1318,7 +1318,7 @@ table(head, [["over the whole gap", *correlations["over the whole gap"]]])
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# A longer gap holds more turning simply because it's longer, and it passes more narrow places, too. Summed over the gap, its length is correlated with itself, here against the real effect. More data wouldn't help: it's the wrong question. What's measured about a place mustn't depend on how far the robot got from there; so take the same metre for all.
+# A longer gap holds more turning simply because it's longer, and it passes more narrow places, too. Summed over the gap, turning grows with the gap, and that hides the real effect. More data wouldn't help: it's the wrong question. What's measured about a place mustn't depend on how far the robot got from there; so take the same metre for all.
 # </details>
 #
 # ## 11 · Good night, robot
@@ -1368,4 +1368,4 @@ for place, log in zip("CD", parked_states.T, strict=True):
 show(stacked([picture], ["Grey: the drive that it knows"]))
 
 # %% [markdown]
-# It knows one drive, and that one doesn't come by here. Others have driven from C and from D, though, and each left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.
+# It knows one drive, and that one passes neither C nor D. Others have driven from there, though, and each left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.

@@ -58,7 +58,7 @@ class League:
         ranked = sorted([*self.rows, *given], key=lambda row: -row[-1])
         score, best = list(self.columns)[-1], max(given, key=lambda row: row[-1])
         lead = max((row[-1] for row in self.rows), default=best[-1]) - best[-1]
-        caption = f"you lead by {lead:g}" if lead > 0 else f"to beat: {best[0]}, {best[-1]:g}"
+        caption = f"you lead by {lead:.3g}" if lead > 0 else f"to beat: {best[0]}, {best[-1]:g}"
         return table({"": "", **self.columns}, ranked, {score: max}, caption)
 
     def _row(self, name: str, numbers: Sequence[float]) -> list[Any]:

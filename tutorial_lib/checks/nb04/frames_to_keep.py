@@ -114,6 +114,8 @@ def _broken(
         return "the trajectory ends on both sides: a context that reaches beyond repeats the end"
     if np.setdiff1d(want, got).size:
         return "every anchor, also the first and the last, needs all frames of its context"
+    if len(set(got.tolist())) < len(got):
+        return "anchors close together share frames; each frame is kept once"
     return "only what a context holds is kept; the ends of the trajectory are no exception"
 
 
@@ -127,7 +129,7 @@ def _difference(
     """The first frame that is missing, or too many, and why."""
     if len(set(got.tolist())) < len(got):
         twice = got[np.flatnonzero(np.diff(got) == 0)[0]]
-        return f"frame {twice} comes twice; each frame is kept once"
+        return f"frame {twice} comes twice"
     for frame in np.setdiff1d(want, got).tolist():
         steps = range(-k, k + 1)
         found = (

@@ -148,6 +148,8 @@ def _broken(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # 
             "stay: advance by one at most, if the next one is both reachable and near, or if the "
             "active one was visited"
         )
+    if got[0] < case[0]:
+        return "the active anchor never falls back: where the next one is in doubt, it stays"
     if want[1] >= case[0]:
         return "once the active anchor was visited, now or earlier, the robot moves on"
     return "the next anchor is above both of the thresholds in rules: that is enough to move on"
