@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 08 · The morning the door was shut
 #
-# **One shut door.** Overnight, someone shuts a door. At home that's the end of a trip: your flat has one way to each room. So we're on a field trip, to an office with a corridor all round. Six trips lead through one door, on yesterday's map (grey). Now it's shut (pink), and there's a way round.
+# **One shut door.** Overnight, someone shuts a door. At home that's the end of a trip: your flat has one way to each room. So we're on a field trip, to an office with a corridor all round. Six trips lead through one door, on yesterday's map (grey). Now the door's shut (pink), and there's a way round.
 #
 # *The door stays shut. How many of the same trips arrive tomorrow?*
 #
@@ -112,38 +112,40 @@ again = Prediction(
     "The door stays shut. How many of the same six trips arrive tomorrow?",
     {"A": "as many as yesterday", "B": "something in between", "C": "as many as this morning"},
     right="C",
-    robot=f"yesterday {open_door.success.sum()} of {SIZE} arrived, this morning "
-    f"{shut_door.success.sum()}, and tomorrow it's {shut_door.success.sum()} again.",
+    robot="it has the same map, so it makes the same plans: tomorrow it's "
+    f"{shut_door.success.sum()} of {SIZE} again.",
     tempting="B",
-    because="they've all been at the door. But nobody wrote that down: the map is as it was, so "
-    "each trip begins with the same plan.",
+    because="they've all been at the door. But nobody wrote that down: the map is as it was.",
     before=side_by_side(
         [office_picture(False, open_door), office_picture(True, shut_door)],
-        ["Yesterday: straight through", "This morning: to the door, again and again"],
+        [
+            f"Yesterday: {open_door.success.sum()} of {SIZE} arrive",
+            f"This morning: {shut_door.success.sum()} of {SIZE} arrive in time",
+        ],
     ),
 )
 display(again)
 
 # %% [markdown]
-# **100 minutes.** You need notebooks 05 and 06, and Bayes' rule from 07. Once your function passes its check, the cells below **use yours**. Folded cells only draw. We follow R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (LTVN), RA-L 2022. The thresholds are ours.
+# **100 minutes.** You need notebooks 05 and 06, and Bayes' rule from 07. Once your function passes its check, the cells below **use yours**. You needn't read folded cells. We follow R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (LTVN), RA-L 2022. The thresholds are ours.
 #
 # **Three old questions first.**
 #
 # <details><summary>Notebook 06: a robot couldn't reach a vertex. What does it leave out of its next plan, and for how long?</summary>
-# The edge that failed and those beside it, for two minutes. Then it's forgotten, and the map never hears of it.
+# The edge that failed and those beside it, for two minutes. Then the failure's forgotten, and the map never hears of it.
 # </details>
 # <details><summary>Notebook 05: when does a new drive remove an old vertex?</summary>
-# When it passes there, and RE to the vertex is surely low on the whole stretch. A robot that doesn't pass has no say.
+# When it passes there, and RE to the vertex stays low all the way past. A robot that doesn't pass has no say.
 # </details>
-# <details><summary>Notebook 07: a robot believes in two twin rooms, half and half, and its view is as likely in both. What now?</summary>
-# Still half and half. Bayes' rule only counts the <i>ratio</i> of the likelihoods.
+# <details><summary>Notebook 07: a robot thinks it's in one of two twin rooms, half and half, and its view is as likely in both. What does it think now?</summary>
+# Still half and half. In Bayes' rule, only the <i>ratio</i> of the likelihoods counts.
 # </details>
 #
-# Why not delete each edge that fails? Good edges fail now and then, too: somebody walks by, or the car turns out a little crooked. You'd lose a few every day, and get none back. You need a belief, not a switch.
+# Why not delete each edge that fails? Good edges fail now and then, too: somebody walks by, or the car takes a bend too wide. You'd lose a few every day, and get none back. You need a belief, not a switch.
 #
 # ## 1 · Can I drive there?
 #
-# Back home, with Friday's twelve drives. Here's where your robot stands (blue), what it sees now, and four photos of the drives.
+# Back home, with Friday's twelve drives. Here's where your robot stands (blue), what it sees now, and four photos from those drives.
 
 # %% hidden=true
 # Your flat, its twelve drives, and a photo with four others (about 8 s)
@@ -151,7 +153,7 @@ flat = explored("home", scene_of(world_name("apartment", 2)), np.random.default_
 resident = agents.ltvn(model=living.model, maintenance=None)
 resident.learn(deep_experiences(flat))
 pool, view = resident.sampled.pool, PlanView(flat.scene, 290, 390)
-near_view = PlanView(flat.scene, 560, 760)
+near_view = PlanView(flat.scene, 1150, 1560)
 places = image_poses(flat, resident)
 
 
@@ -186,11 +188,11 @@ def grid_of(titles):
     around = near_view.plain.copy()
     for name, image in shown.items():
         near_view.arrow(around, places[image], colours.INK, 8)
-        write_beside(near_view, around, name, places[image], 18)
+        write_beside(near_view, around, name, places[image], 16)
     near_view.arrow(around, places[now], colours.ROBOT, 8)
-    around = closeup(near_view, around, places[[now, *shown.values()], :2], 1.0, square=True)
-    above = side_by_side([around], height=180)
-    top = side_by_side([above, photo(now, 330)], ["from above", "now"])
+    around = closeup(near_view, around, places[[now, *shown.values()], :2], 0.4, square=True)
+    above = side_by_side([around], height=240)
+    top = side_by_side([above, photo(now, 300)], ["from above", "now"])
     return stacked([top, *rows], gap=8)
 
 
@@ -220,7 +222,7 @@ display(refused)
 #
 # ## 2 · How far is a turn?
 #
-# Two photos one metre apart, facing the same way. Two photos from one spot, a quarter turn apart. For a car the second pair is farther, so the distance must count the turn. With one constant speed and one constant turning rate, exactly one *motion* gets there in a second. Its length is
+# Two photos one metre apart, facing the same way. Two photos from one spot, a quarter turn apart. For a car the second pair is farther, so the distance must count the turn. Hold the car's velocity and turning rate constant, and exactly one *motion* gets there in a second. Its length is
 #
 # $$ d(w) = \lVert \log T(w) \rVert_F = \sqrt{\ell^2 + 2\, d\theta^2}, \qquad \ell = \frac{c}{\operatorname{sinc}(d\theta/2)}, \quad c = \sqrt{dx^2 + dy^2}, \quad \operatorname{sinc}(x) = \frac{\sin x}{x} . $$
 #
@@ -259,11 +261,11 @@ length = check_length.use(length)
 # %% [markdown]
 # ## 3 · A map by sampling
 #
-# You have more images than you need. Algorithm 1 draws them in random order and asks of each:
+# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks of each, where *reachable* means a high $\hat r$:
 #
-# - **is it mergeable** with a vertex: is one reachable from the other, and closer than $D_m$ that way? Then it's redundant: drop it.
+# - **is it mergeable** with a vertex: is one reachable from the other, and closer than $D_m$ in that direction? Then it's redundant: drop it.
 # - **is it connectable** to some vertex, in the same sense, closer than $D_c$? Then it becomes a vertex, with an edge for *every* such pair.
-# - neither? Leave it for later: perhaps a vertex nearby is still to come.
+# - neither? Leave it for later: a vertex nearby may still come.
 #
 # Go on until a whole pass adds nothing.
 #
@@ -326,8 +328,9 @@ for merge, (vertices, edges) in maps.items():
     whole = max(map(len, nx.strongly_connected_components(both)))
     rows.append([merge, len(vertices), len(edges), strong / len(vertices), whole / len(vertices)])
 head = {"D_m, m": ".1f", "vertices": "d", "edges": "d"}
-head |= {"largest part, forwards": ".0%", "with edges in reverse": ".0%"}
-display(table(head, rows, caption=f"of {len(pool)} images"))
+head |= {"largest part, forwards": ".0%", "largest part, with reverse": ".0%"}
+words = f"{len(pool)} images; within a part, all vertices reach each other"
+display(table(head, rows, caption=words))
 
 
 def growing(count):
@@ -344,7 +347,7 @@ def growing(count):
 sliders(growing, {"count": "vertices"}, count=(1, len(maps[0.7][0]), 1, 25))
 
 # %% [markdown]
-# Watch the last two columns. Edges lead only *ahead*, and forwards the map is in pieces. So the robot may drive an edge in **reverse**. We count it four times as long: a reversing car sees nothing of where it goes.
+# Compare the last two columns. Edges lead only *ahead*: forwards, hardly any two vertices reach each other. So the robot may drive an edge in **reverse**. We count that edge four times as long: a reversing car can't see where it's going.
 #
 # ## 4 · What one drive says
 #
@@ -408,14 +411,14 @@ more = next(number for number, belief in enumerate(later) if belief < PRUNE) - l
 streak = Prediction(
     "08",
     "streak",
-    "Five successes, and one failure. How many more failures in a row, until it's pruned?",
+    "Five successes, one failure. How many more failures in a row, until it's below the line?",
     {"A": "two", "B": "three", "C": "five, one for each success"},
     right="A",
     robot=f"{more}: {', '.join(f'{belief:.2f}' for belief in later[6 : 7 + more])}.",
     tempting="B",
     because="the first failure took a fifth, so three more should do. But the second takes half: "
     "near 1 a belief moves little, in the middle a lot.",
-    before=belief_chart(first, "One failure, and it's still believed"),
+    before=belief_chart(first, f"Never above {CERTAIN}; one failure, and it's still believed"),
     after=belief_chart(later, "The second failure hurts most"),
 )
 display(streak)
@@ -445,23 +448,23 @@ sliders(
 )
 
 # %% [markdown]
-# A true edge that works nine times in ten fails twice in a row once in a hundred. That's rare, until you drive a hundred edges a day. Three rules of ours keep the map alive:
+# A new edge that works nine times in ten fails its first two drives once in a hundred, and is gone. That's rare, until you try a hundred edges. Three rules of ours keep the map alive:
 #
-# - the belief stays between 0.03 and 0.97, so it can change its mind;
-# - a pruned edge that once worked *comes back* after some queries, with little belief;
-# - what the laser shows to be blocked comes back soon: a shut door is no mistake of the map.
+# - the belief stays between 0.03 and 0.97, so the map can change its mind;
+# - a pruned edge that once worked *comes back* after some queries, though it's barely believed;
+# - what the laser shows to be blocked comes back soon: a shut door isn't the map's mistake.
 #
-# A fourth saves time: the robot **looks before it drives**. If it surely can't see an edge's target from its source, it takes another edge, and believes this one less. An edge through a wall falls to a look. A [[wormhole]] between look-alikes passes every look; only a drive finds it out.
+# A fourth saves time: the robot **looks before it drives**. If it clearly can't see an edge's target, it believes the edge less, and takes another. Looks alone get rid of an edge through a wall. A [[wormhole]] between look-alikes passes every look; only a drive exposes it.
 #
 # ### Exercise 4 · `gaussian` (easy, 5 minutes)
 #
-# An edge's length has a mean $\mu$ and a variance $v$. On a success the robot measured $d(\hat w)$, with noise $\sigma^2$. The new mean lies between both, nearer to the surer one, and the new variance is smaller than either:
+# An edge's length has a mean $\mu$ and a variance $v$. On a success the robot measures $d(\hat w)$, with noise $\sigma^2$. The new mean lies between the two, nearer the surer one. The new variance is smaller than either:
 #
 # $$ \mu' = \frac{\sigma^2}{v + \sigma^2}\,\mu + \frac{v}{v + \sigma^2}\, d(\hat w), \qquad \frac{1}{v'} = \frac{1}{v} + \frac{1}{\sigma^2} . $$
 #
-# <details><summary>Hint 1: concept</summary>One-dimensional Kalman filter, without motion.</details>
+# <details><summary>Hint 1: concept</summary>It's a weighted mean: the less sure the old length is, the more the new one counts.</details>
 # <details><summary>Hint 2: approach</summary>gain = variance / (variance + noise) is the share by which the mean moves.</details>
-# <details><summary>Hint 3: one line</summary>Turn the equation for 1/v' round: what's one divided by its right-hand side?</details>
+# <details><summary>Hint 3: one line</summary>Solve the equation for v': what's one divided by its right-hand side?</details>
 
 
 # %% exercise="gaussian"
@@ -487,7 +490,7 @@ gaussian = check_gaussian.use(gaussian)
 #
 # ### Exercise 5 · `live` (large, 30 minutes)
 #
-# For each query: plan the shortest path in metres, drive its *first* edge, tell the map what happened, plan again from where you are. A failure leaves the robot where it was. An edge that failed is left out for the rest of this query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins.
+# For each query, a start and a goal: plan the shortest path in metres, drive its *first* edge, tell the map what happened, plan again from where you are. A failure leaves the robot where it was. An edge that failed is left out for the rest of this query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins.
 #
 # How you keep the books is up to you. The check drives your loop through small buildings with a wormhole, a shut door and a flaky edge.
 #
@@ -639,7 +642,7 @@ display(lies)
 #
 # ## 6 · Who's to blame?
 #
-# The robot stood at A, and took a wormhole to B. The place looked right, so it thinks it's at B. It's at the blue arrow. Next it tries the edge from B to C, and fails.
+# The robot stood at A, and took a wormhole to B. The place looked right, so it thinks it's at B. Really it's at the blue arrow. Next it tries B to C, and fails.
 
 # %% hidden=true
 # A wormhole, a true edge after it, and where the robot really is
@@ -668,7 +671,7 @@ gained, lost = bayes(LIE, 0.97, 0.05, True), bayes(TRUE, 0.97, 0.05, False)
 blame = Prediction(
     "08",
     "blame",
-    "Amber is the plan. Which edge does your live believe less than before?",
+    "Amber is the plan. Which edge does your loop believe less now?",
     {"A": "A to B, the lie", "B": "B to C, the true one", "C": "both"},
     right="B",
     robot=f'A to B "succeeded", so it goes from {LIE:.2f} up to {gained:.2f}; B to C falls from '
@@ -681,7 +684,7 @@ blame = Prediction(
 display(blame)
 
 # %% [markdown]
-# In a corridor of look-alikes this kills good edges by the dozen. The cure, ours again, is Bayes over *both* edges at a time: the drive may fail because the edge is missing, *or because the robot wasn't there*. The more doubtful one gets more of the blame.
+# In a corridor of look-alikes this kills good edges by the dozen. The cure, ours again, is Bayes' rule over *both* edges at once: the drive may fail because the edge is missing, *or because the robot wasn't at B*. The more doubtful one gets more of the blame.
 #
 # <details><summary>What counts as a success?</summary>
 # LTVN asks the network after each drive whether the target is connectable from where the robot is now. A robot that never moved, at a pair that the network gets wrong, has "succeeded". We ask for more: it must have driven to the waypoint, and see the target within 0.8 m.
@@ -717,7 +720,7 @@ sliders(
 # %% [markdown]
 # ## 7 · What nobody had used
 #
-# Pruning can cut a map in two. But many images of the drives were never used: they were redundant, or couldn't be joined. When no path is left, LTVN tries them one by one until there is one, *keeps only the images on that path*, and puts the others back.
+# Pruning can cut a map in two. But many images of the drives were never used: they were redundant, or couldn't be joined. When no path is left, LTVN tries them one by one until a path appears, *keeps only the images on that path*, and puts the others back.
 #
 # ### Exercise 6 · `expand` (medium, 8 minutes)
 #
@@ -735,8 +738,8 @@ def expand(graph, unused, joins, here, goal):
     joins: dict; for each of them the list of edges (source, target) to and
     from the map and the images that come before it.
     here, goal: vertices of the map.
-    Returns the list of images on the shortest path that there is as soon as
-    there is any; empty if all images together give none. Changes nothing.
+    Returns the list of images on the path with the fewest edges, as soon as
+    there is a path; empty if all images together give none. Changes nothing.
     """
     ### BEGIN SOLUTION
     trial = graph.copy()
@@ -793,7 +796,8 @@ def days_chart(count, title):
 next_day = Prediction(
     "08",
     "next_day",
-    "Dashed edges are pruned. The door's still shut: how do the same trips go on the third day?",
+    "Vermilion edges are doubted, dashed ones pruned. The door's still shut: how do the same trips "
+    "go on the third day?",
     {
         "A": "as on the second day",
         "B": "more arrive, but slower than on the first day",
@@ -811,7 +815,7 @@ next_day = Prediction(
 display(next_day)
 
 # %% [markdown]
-# The first robot at the door finds it shut, and the map knows. When the door opens, the blocked edges have come back, and robots use them again. In numbers:
+# On the second day all six waste their time at the door, but the map knows now. When the door opens, its edges are back, and robots use them. In numbers:
 
 # %% hidden=true
 # The four days in numbers
@@ -819,8 +823,8 @@ rows = [
     [name, one.success.sum(), one.seconds.mean(), other.success.sum(), other.seconds.mean()]
     for name, one, other in zip(DAYS, days, on_frozen, strict=True)
 ]
-head = {"the door": "", f"arrive, of {SIZE}": "d", "seconds": ".0f"}
-table(head | {"on the old map: arrive": "d", "its seconds": ".0f"}, rows)
+head = {"the door": "", f"arrive, of {SIZE}": "d", f"seconds, all {SIZE}": ".0f"}
+table(head | {"on the old map: arrive": "d", "on the old map: seconds": ".0f"}, rows)
 
 # %% [markdown]
 # Every change is an **event**, so all of it can be undone:
@@ -835,7 +839,7 @@ print(f"the first that was found blocked: edge {EVENT.edge}, in query {EVENT.que
 # %% [markdown]
 # ### Be the one who shuts doors
 #
-# Shut the door and send out 25 robots on these six trips, then open it and send 25 more. Or be nasty: cut the edge that's driven most, or add one that isn't there. What does the map lose, and what does it get back? Each 25 take some ten seconds.
+# Shut the door and send out 25 robots on these six trips, then open it and send 25 more. Or be nasty: cut the edge that's driven most, or add one that isn't there. What does the map lose, and get back? Each run takes some ten seconds.
 
 # %% hidden=true
 # Buttons: shut or open the door, cut or add an edge, run the next 25 queries
@@ -844,7 +848,7 @@ presses(TamperedMap(toured, living, many, SHUT, first=SIZE * len(DAYS)))
 
 # %% [markdown]
 # <details><summary>How many failures does an edge through a wall survive?</summary>
-# Often none: the robot looks along the edge, doesn't see its target, and takes another. After two or three such looks the edge is gone, if a robot comes by at all: nobody looks along an edge that isn't on a shortest path. All 25 robots share the map, so what the first one learns spares the others. An edge that never worked doesn't come back by itself.
+# Often none: the robot looks along the edge, doesn't see its target, and takes another edge. After two or three such looks the edge is gone, if a robot comes by at all: nobody looks along an edge that isn't on a shortest path. All 25 robots share the map, so what the first one learns spares the others. An edge that never worked doesn't come back by itself.
 # </details>
 #
 # ### In eight other buildings
@@ -874,13 +878,13 @@ axes.legend(loc="lower right", fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
-# It helps from the first queries on, and hardly more later. And it costs: the map grows, since images that nobody had used come in.
+# Learning helps from the first queries on, and no more later. And it costs: unused images come in, and the map grows.
 #
 # ## 9 · Fewer vertices
 #
-# **An open task.** Back home, each vertex costs memory, and time whenever the robot looks around. With how few does it still get everywhere? Write `my_map`: change the rules, or give an `order` of your own to your `build_map`, or invent another rule (`joined_map` makes a map of any vertices and edges).
+# **An open task.** Back home, each vertex costs memory and time. With how few does the robot still get everywhere? Write `my_map`: change the rules, give your `build_map` an `order` of your own, or invent another rule. `joined_map` makes a map of any vertices and edges.
 #
-# Twelve robots drive on it, with nothing mended. The score is **vertices saved − 10 × robots lost**, against the library's map, which scores 0. A score takes about 5 s.
+# Twelve robots drive on it, and it learns nothing. The score is **vertices saved − 10 × robots lost**; the library's map scores 0. A score takes about 5 s.
 
 # %% hidden=true
 # The twelve trips, and the map to beat
@@ -910,7 +914,8 @@ NAME = "my map"  # in the league table
 def my_map(pool):
     """Your map of a pool of images, to be scored."""
     rng = np.random.default_rng(0)
-    # Your decisions: what's too close, what's joined, what comes first, and the price of reverse.
+    # Your decisions: what's too close, what's joined, what comes first ("uniform" draws at random,
+    # "farthest first" doesn't), and the price of reverse.
     rules = SamplingRules(merge=0.7, connect=2.5, order="uniform", reverse=4.0)
     order = None  # or a list of images: then your build_map makes the map
     if order is None:
@@ -931,7 +936,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good maps, quite different; enter yours first</summary>
-# <i>Far apart first.</i> <code>SamplingRules(merge=0.8, connect=3.0, order="farthest first", reverse=4.0)</code>: each new vertex stands as far from the map as it can, and longer edges bridge the gaps. <i>Hubs first.</i> <code>joined = sure &amp; (far &lt; 2.5)</code>, <code>order = np.argsort(-(joined | joined.T).sum(axis=0), kind="stable").tolist()</code>, with merge 1.1 and connect 3.0: images that many others can be joined to come first, and stand for them. When this page was made, both saved a fifth of the vertices and lost nobody. Much beyond that robots get lost: with merge 1.5 hardly any arrives.
+# <i>Far apart first.</i> <code>SamplingRules(merge=0.8, connect=3.0, order="farthest first", reverse=4.0)</code>: each new vertex stands as far from the map as it can, and longer edges bridge the gaps. <i>Hubs first.</i> <code>joined = sure &amp; (far &lt; 2.5)</code>, <code>order = np.argsort(-(joined | joined.T).sum(axis=0), kind="stable").tolist()</code>, with merge 1.1 and connect 3.0: images that many others can be joined to come first, and stand for them. When this page was made, both saved a fifth of the vertices and lost nobody. Go much further, and robots get lost: with merge 1.5, hardly any arrive.
 # </details>
 #
 # After this notebook you can
@@ -943,7 +948,7 @@ else:
 # - bridge a gap with images that nobody had used.
 #
 # <details><summary>Extras, if you like</summary>
-# Let <code>live</code> update both directions, as the colleague did: how many true edges are left? In section 8, set <code>returns=0, returns_blocked=0</code>: what becomes of the door when it opens again? Score your map in the office.
+# Let <code>live</code> update both directions, as the colleague did: how many true edges are left? In the first cell, give <code>MaintenanceRules</code> <code>returns=0, returns_blocked=0</code>: what happens in section 8 when the door opens again? Score your map in the office.
 # </details>
 #
-# Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with people who drove it round. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No drives, no map: it can only guess what lies behind each door.
+# Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with people who drove the robot round. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No drives, no map: it can only guess what lies behind each door.

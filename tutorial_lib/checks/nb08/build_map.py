@@ -101,7 +101,7 @@ CASES = {
     **{f"at random ({seed})": _random(seed) for seed in range(6)},
 }
 MISTAKES = """
-try what cannot be joined yet again, as long as a pass adds something; yours tries it only once
+an image that cannot be joined yet gets another try in the next pass; yours gets only one
     grew = True -> grew = grew
 join a new image to every vertex that it can be joined to, not only to the first
     edges += found -> edges += found[:1]
@@ -122,6 +122,9 @@ an edge needs r-hat, too: lengths of pairs that are not reachable mean nothing
 below D_m is too close; exactly D_m is not
     < merge -> <= merge
 below D_c can be joined; exactly D_c cannot
+    < connect -> <= connect
+below D_m is too close, below D_c can be joined; exactly D_m or D_c is neither
+    < merge -> <= merge
     < connect -> <= connect
 D_m decides what is too close, D_c what can be joined; yours has them exchanged
     lengths[pair] < merge -> lengths[pair] < CONNECT
