@@ -430,7 +430,7 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps every other direction that's free for a metre on a **reserve list**, an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has no such list; section 9 shows what that costs.
+# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps every other direction that's free for a metre on a **reserve list**, an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has none; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
@@ -689,7 +689,7 @@ global_policy = check_global_policy.use(global_policy)
 #
 # ### What's a find worth?
 #
-# *Success* alone doesn't say whether a robot searched or knew. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, and 0 if not. With $\ell_i$ for the shortest path and $p_i$ for what was travelled,
+# *Success* alone doesn't say whether a robot searched or knew. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, else 0. With $\ell_i$ for the shortest path and $p_i$ for what was travelled,
 #
 # $$ \text{SPL} = \frac1N \sum_i S_i\, \frac{\ell_i}{\max(p_i, \ell_i)} . $$
 #
@@ -984,7 +984,7 @@ show(from_figure(figure))
 #
 # ## 8 · Your own score
 #
-# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. It earns **100 · SPL** on hard episodes in four buildings that it has never seen, two of them plain. A random ghost earns far less than the library's score, and an oracle nearly 100, so there's room. There's more than one good answer. What you're given about the G ghosts:
+# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. It earns **100 · SPL** on hard episodes in four buildings that it has never seen, two of them plain. A random ghost earns far less than the library's score, and an oracle nearly 100, so there's room. What you're given about the G ghosts:
 #
 # | each is (G,) | |
 # |---|---|
@@ -1120,7 +1120,7 @@ else:
 #
 # ## 9 · How it ends
 #
-# Your loop and the library's agent look for sixteen hard goals in two more buildings. The pictures show the failures: the robot started at blue and ended at vermilion, and the goal is green. Ask of each: was it the score, the graph, or the recognition of the goal?
+# Your loop and the library's agent look for sixteen hard goals in two more buildings. The pictures show the failures: blue is the start, vermilion the end, green the goal. Ask of each: was it the score, the graph, or the recognition of the goal?
 
 # %% hidden=true
 # The library's agent on hard episodes of two more buildings (about 10 s)
