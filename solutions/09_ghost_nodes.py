@@ -150,7 +150,7 @@ ways = Prediction(
 display(ways)
 
 # %% [markdown]
-# **110 minutes.** Sections 9 and 10 are for a second sitting. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
+# **110 minutes.** Sections 9 and 10 are for a second sitting, another 20. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
 #
 # **Three old questions first.**
 #
@@ -166,11 +166,11 @@ display(ways)
 #
 # ## 1 · Watch it look
 #
-# This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, and stop. Wheels and odometry are a little off, as a real robot's are. It succeeds if it says *stop* within 1 m of the goal, in at most 500 actions.
+# This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, and stop. Wheels and odometry are a little off, as a real robot's are. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode, 5 to 10 m by the shortest path. The white map is **all that it remembers**: dark dots where it looked around, and purple ones, the darker the better they look to it. The green ring is where it's going. The rose has a bar for each of twelve directions, the longer the better: purple where there's a purple dot, green where it's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m long. The white map is **all that it remembers**: dark dots where it looked around, and purple ones, the darker, the better they look to it. The green ring is where it's going. The rose has a bar for each of twelve directions, the longer, the better: purple where there's a purple dot, green where it's going.
 #
-# Move the slider, and decide where the goal is. Only then choose *shown*. It takes about 5 s.
+# The cell takes about 5 s. Move the slider, and decide where the goal is. Only then choose *shown*.
 
 # %% hidden=true
 # One hard episode of the library's agent, with a slider
@@ -261,7 +261,7 @@ sliders(
 )
 
 # %% [markdown]
-# Have you decided? Here's the truth: light blue is the track, and dark arcs are the scores as they should be.
+# Here's the truth: the bullseye is the goal, light blue is the track, and dark arcs are the true scores.
 
 # %% hidden=true
 # The truth about this episode
@@ -273,31 +273,31 @@ print(
 )
 
 # %% [markdown]
-# What's odd? It never heads for the goal before it sees it. It heads for purple dots, places 3 m away where it has never been.
+# What's odd? Until it sees the goal, it never heads there. It heads for purple dots: places 3 m away where it has never been.
 #
 # Such a dot is a **[[ghost node]]**: a direction that may lead on. It hangs on a dark dot, a **[[node]]**, which is a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts that it didn't take stay where they are, and *that's* its memory of doors passed by.
 #
-# And the white map is a little off: the arrowhead is where the wheels say it is.
+# And the white map is a little off: the arrowhead is where the wheels say the robot is.
 #
 # ## 2 · Four questions
 #
 # What must a robot predict to find a place in a building it has never entered? Four things, from panoramas alone:
 #
-# - **$\mathcal F_L$: am I in this node?** A panorama belongs to a node if it was taken within $r = 3$ m of it and its place is visible from there:
+# - **$\mathcal F_L$: am I in this node?** A panorama belongs to a node if it was taken within $r = 3$ m of the node, and in sight of it:
 #
 # $$ \mathcal F_L(I_N, I) = P\big(\lVert x_I - x_N \rVert \le r \ \text{and}\ x_I\ \text{is visible from}\ x_N\big). $$
 #
-#   It also says whether the *goal* is in sight. It must be [[calibrated]], since the robot acts above one half.
+#   It also says whether the *goal* is in sight. It must be [[calibrated]]: the robot acts on anything above one half.
 #
-# - **$\mathcal F_G$: where does it go on?** A yes or no for each of 12 directions. It never looks at the goal: a door is a door.
+# - **$\mathcal F_G$: where does it go on?** It says yes or no to each of 12 directions, and never looks at the goal: a door is a door.
 #
-# - **$\mathcal F_S$: where's the goal?** A score for each direction. With $e_k$ the farthest point in direction $k$ to which the robot could drive straight within 3 m, and $d$ the length of the shortest path,
+# - **$\mathcal F_S$: where's the goal?** It gives each direction a score. Let $e_k$ be the farthest point in direction $k$, up to 3 m away, that the robot can drive straight to. With $d$ for the length of the shortest path,
 #
 # $$ s_k = \max\!\Big(1 - \frac{d(e_k, \text{goal})}{20\ \text{m}},\ 0\Big). $$
 #
-#   Where the goal is out of sight, nobody can *see* that. A network can only guess it, from what usually leads where: the **semantic score**.
+#   When the goal is out of sight, nobody can *see* that. A network can only guess, from what usually leads where. The guess is the **semantic score**.
 #
-# - **$\mathcal F_R$: where exactly?** Bearing and distance of a goal that's in sight. It decides where to stop.
+# - **$\mathcal F_R$: where exactly?** It gives bearing and distance of a goal in sight, and decides where to stop.
 #
 # One network answers all four. Direction 0 is ahead, 1 is 30° to the left, 11 is 30° to the right. Here are its answers in your friend's hallway, and near the goal.
 
@@ -328,7 +328,7 @@ show(side_by_side(panels, titles))
 #
 # ## 3 · Where does it go on?
 #
-# $\mathcal F_G$ learns from geometry. Take the map of the obstacles that one panorama shows. Direction $k$ leads on if the point $p_k$ at $r$ metres is reached by a path that's hardly longer than the straight line:
+# $\mathcal F_G$ learns from geometry. Take the map of the obstacles that one panorama shows. Direction $k$ leads on if a path hardly longer than the straight line reaches the point $p_k$, $r$ metres away:
 #
 # $$ g_k = \big[\, \ell(p_k) \le 1.05\, r \,\big], \qquad p_k = r\,(\cos 30° k,\ \sin 30° k), $$
 #
@@ -340,7 +340,7 @@ show(side_by_side(panels, titles))
 #
 # ### Exercise 1 · `explorable` (easy, 10 minutes)
 #
-# `path_lengths(free)` is given: an array (S, S) of $\ell$ in metres for each cell, `inf` where no path leads. The robot is in the middle cell, `(S // 2, S // 2)`, and S is odd; a cell is `CELL` (0.1) metres wide; columns go with x (ahead), rows with y (to the left).
+# `path_lengths(free)` is given: it returns an array (S, S) with $\ell$ of each cell in metres, `inf` where no path leads. The robot is in the middle cell, `(S // 2, S // 2)`, and S is odd; a cell is `CELL` (0.1) metres wide; columns go with x (ahead), rows with y (to the left).
 #
 # <details><summary>Hint 1: concept</summary>Twelve points on a circle, the cell of each, and a comparison of twelve lengths with one number.</details>
 # <details><summary>Hint 2: approach</summary>np.arange(12) * np.pi / 6 are the bearings. Their cosines, times the radius, divided by CELL, and rounded, are columns counted from the middle; sines give rows. An array of rows and one of columns index twelve cells at once.</details>
@@ -409,16 +409,16 @@ networks = [local_picture(free_maps[i], by_network[i]) for i in three]
 small = Prediction(
     "09",
     "small",
-    "Dark is where the robot's middle can't be; the circle is 3 m away. At which place does no "
-    "direction lead on?",
+    "Dark is where the robot's middle can't be; white is free, or not seen. The circle is 3 m "
+    "away. At which place does no direction lead on?",
     {"A": "at A", "B": "at B", "C": "at C", "D": "at none of them"},
     right="B",
     robot=f"of 60 places in the flat, {(counts == 0).sum()} have no direction that leads on. "
     f"F_G, which sees the panoramas, agrees with your function in "
     f"{(by_geometry == by_network).mean():.0%} of all directions.",
     tempting="D",
-    because="every room has a door, and the robot sees it. But the door must lie in one of twelve "
-    "directions, and nearly straight behind it there must be 3 m.",
+    because="every room has a door, and the robot sees it. But through it, a nearly straight "
+    "path must reach one of twelve points, 3 m away.",
     before=side_by_side([local_picture(free_maps[i]) for i in three], ["A", "B", "C"]),
     after=stacked(
         [
@@ -430,11 +430,11 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# So a small room may have *no* ghost: the radius that suits the paper's homes is large for it. The library keeps every other direction that's free for a metre on a **reserve list**, an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 does without; section 9 shows what that costs.
+# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps every other direction that's free for a metre on a **reserve list**, an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has none; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
-# Your robot stood at node 0, drove to the ghost in 0's direction 2, and looked around. Now node 1 is there. Each node counts directions from its own heading, the blue arrowhead. Purple are the ghosts of both.
+# Your robot stood at node 0, drove to the ghost in 0's direction 2, and looked around. Now node 1 is there. Each node counts directions from its own heading, the blue arrowhead. The ghosts of both are purple.
 
 
 # %% hidden=true
@@ -477,8 +477,8 @@ display(gone)
 # When a node is added, three things happen:
 #
 # 1. the new node gets a ghost in each direction that leads on;
-# 2. in a direction in which another node stands, the *new* node gets none;
-# 3. and the *other* node loses its ghost in the direction in which the new node stands.
+# 2. it gets none in a direction in which another node stands;
+# 3. and *that* node loses its ghost in the direction in which the new one stands.
 #
 # So a ghost always stands for something unexplored. Each edge stores the pose of one end in the frame of the other. That's a few metres of odometry, so drift doesn't add up over the building.
 #
@@ -517,7 +517,7 @@ add_ghosts = check_add_ghosts.use(add_ghosts)
 # %% [markdown]
 # ### Find the bug
 #
-# A colleague has written the removal on both sides of an edge. Her robot explores, but it keeps going back to places where it has been. Her test passed: a robot in a long corridor. What's wrong?
+# A colleague has written the removal at both ends of an edge. Her robot explores, but it keeps going back to places where it has been. Her test passed, in a long corridor. What's wrong?
 
 
 # %%
@@ -548,7 +548,7 @@ print(f"the two nodes of an edge are turned by {np.rad2deg(np.mean(turned)):.0f}
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>there + 6</code> is the opposite direction <i>in the frame of the first node</i>. The second node counts from its own heading: it sees the first one in the direction of <code>inverse(pose)</code>. In a straight corridor both look the same way, and so her test passed. Elsewhere a wrong ghost goes, that is, a door that nobody has looked behind; and one stays that stands for the place from which the robot came, to which it faithfully returns. Nothing crashes. What finds such bugs is an invariant that's tested after every step: <i>in the direction of a neighbour there's no ghost</i>.
+# <code>there + 6</code> is the opposite direction <i>in the frame of the first node</i>. The second node counts from its own heading: it sees the first one in the direction of <code>inverse(pose)</code>. In a straight corridor both look the same way, and so her test passed. Elsewhere a wrong ghost goes: a door that nobody has looked behind. And the ghost that points back to where the robot came from stays, so the robot faithfully returns there. Nothing crashes. What finds such bugs is an invariant that's tested after every step: <i>in the direction of a neighbour there's no ghost</i>.
 # </details>
 #
 # ## 5 · Which one next?
@@ -627,13 +627,13 @@ where = Prediction(
 display(where)
 
 # %% [markdown]
-# That's the **[[global policy]]**. With $X$ the ghosts,
+# That's the **[[global policy]]**. With $X$ for the set of ghosts,
 #
 # $$ \text{long-term goal} = \begin{cases} \text{the node of the goal} & \text{if } \mathcal F_L \text{ finds it,}\\ \arg\max_{x \in X} s(x) & \text{otherwise.} \end{cases} $$
 #
-# Dijkstra's algorithm finds the shortest path over the graph, and the robot drives to the next node on it. From the ghost's node it drives to the ghost. So of the order of the scores only the first place counts.
+# Dijkstra's algorithm finds the shortest path over the graph, and the robot drives to the next node on it. From the ghost's node it drives to the ghost.
 #
-# So a ghost at the other end of the building with 0.71 wins against one ahead with 0.70. Later work, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), adds the cost of the path. With $\ell$ the metres along the graph to the ghost's node,
+# So only the best score counts: a ghost at the other end of the building with 0.71 beats one ahead with 0.70. Later work, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), adds the cost of the path. With $\ell$ for the metres along the graph to the ghost's node,
 #
 # $$ \arg\max_{x \in X}\; s(x) - w\, \frac{\ell(x)}{20\ \text{m}} , $$
 #
@@ -689,7 +689,7 @@ global_policy = check_global_policy.use(global_policy)
 #
 # ### What's a find worth?
 #
-# *Success* alone doesn't say whether a robot searched or knew. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. With $S_i$ whether episode $i$ succeeded, $\ell_i$ the shortest path and $p_i$ what was travelled,
+# *Success* alone doesn't say whether a robot searched or knew. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, else 0. With $\ell_i$ for the shortest path and $p_i$ for what was travelled,
 #
 # $$ \text{SPL} = \frac1N \sum_i S_i\, \frac{\ell_i}{\max(p_i, \ell_i)} . $$
 #
@@ -726,28 +726,28 @@ spl = check_spl.use(spl)
 # %% [markdown]
 # ### The loop
 #
-# A `robot` answers the four questions where it stands, and drives where you say. Each drive takes as many of its 500 steps as it needs.
+# A `robot` answers the four questions where it stands, and drives where you say. Each drive takes as many of its 500 actions as it needs.
 #
 # | call | what it does |
 # |---|---|
-# | `robot.steps` | a number: actions left; 0 when it has stopped, too |
+# | `robot.steps` | the number of actions left; 0 once it has stopped |
 # | `robot.sees_goal()` | $\mathcal F_L$: whether it sees the goal's place |
-# | `robot.to_goal()` | drives there by $\mathcal F_R$ and stops; True then, and False where something was mistaken for the goal |
+# | `robot.to_goal()` | drives there by $\mathcal F_R$ and stops; returns True, or False if it took something else for the goal |
 # | `robot.node()` | $\mathcal F_L$: the number of the node in which it is, or None |
-# | `robot.beside()` | poses of the nodes beside it, in its frame, as `add_ghosts` takes them |
+# | `robot.beside()` | poses, in its frame, of the nodes beside it, the last one included, as `add_ghosts` takes them |
 # | `robot.explorable()`, `robot.scores()` | $\mathcal F_G$ and $\mathcal F_S$: arrays (12,) |
 # | `robot.remember(node)` | keeps what it sees here as the panorama of a new node; number them 0, 1, 2, … |
-# | `robot.to_node(node)` | drives to a node next to the one where it is |
-# | `robot.to_ghost(ghost)` | drives to a ghost of the node where it is; True if it has arrived, False if it cannot |
+# | `robot.to_node(node)` | drives to a neighbour of the node where it is |
+# | `robot.to_ghost(ghost)` | drives to a ghost of the node where it is; True if it arrives, False if it can't |
 #
 # ### Exercise 5 · `explore` (large, 35 minutes)
 #
-# Round by round, until no steps are left:
+# Round by round, until `robot.steps` is 0:
 #
 # 1. If it sees the goal: drive there; if that returns True, you're done. Otherwise go on below.
-# 2. In which node is it? If in none, **or if it's just arrived at a ghost**, it makes a new one: a node of the graph, an edge to each node beside it with the `metres` to that, the ghosts by `add_ghosts`, and a score for each of its directions; then `remember`.
-# 3. Ask `global_policy`, without a goal, for the next node. Without any ghost left, you're done. If the next node is another one, drive there, and begin the next round.
-# 4. Otherwise the ghost hangs on this node: drive to it. Whether it has arrived or not, the ghost is gone: it was explored, or can't be reached.
+# 2. In which node is it? If in none, **or if it's just arrived at a ghost**, it makes a new one: a node of the graph, an edge with its `metres` to each node beside it, the ghosts by `add_ghosts`, and a score for each of its directions; then `remember`.
+# 3. Ask `global_policy`, without a goal, for the next node. If no ghost is left, you're done. If the next node is another one, drive there, and begin the next round.
+# 4. Otherwise the ghost hangs on this node: drive to it. Whether it arrives or not, remove the ghost: it's explored, or can't be reached.
 #
 # <details><summary>Which of these rules aren't the paper's?</summary>
 # Two in step 2: an edge to <i>each</i> node beside it, and a node at a ghost even where F_L has the robot in the old one. Three metres may be visible from there, but what lies behind isn't.
@@ -806,7 +806,7 @@ explore = check_explore.use(explore)
 # - the **library's agent** also asks $\mathcal F_L$ on the way, and has the reserve list;
 # - an **oracle** knows the building.
 #
-# All but the oracle notice the goal in the same manner. Watch the last column.
+# All but the oracle recognise the goal the same way. Watch the last column.
 
 
 # %% hidden=true
@@ -861,14 +861,14 @@ for node, k in left:
 draw_ghost_graph(view, picture, poses, graph.edges, hung)
 view.arrow(picture, hard.starts[number], colours.ROBOT, 11.0)
 view.goal(picture, hard.goals[number, :2])
-show(stacked([picture], ["What your loop remembered"]))
+show(stacked([picture], ["Your loop's graph; the arrow is the start"]))
 
 # %% [markdown]
-# Eight episodes are few: next door, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the page of results has twenty buildings, beside the paper's numbers. There a metric map with a learned goal beats the ghosts: our buildings are flat, and depth all around makes a metric map easy. In the paper's scanned homes the ghosts win. An advantage that depends on the world is no law.
+# Eight episodes aren't many: next door, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the page of results has twenty buildings, beside the paper's numbers. There frontier exploration with a learned choice beats the ghosts: our buildings are flat, and depth all around makes a metric map easy. In the paper's scanned homes the ghosts win. An advantage that depends on the world is no law.
 #
 # ## 7 · What does the score know?
 #
-# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours hasn't: accents on the walls, which change their hue from one end to the other, as in a hospital. We call such buildings **wayfinding**, and those without accents **plain**.
+# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours hasn't: accents on the walls. Their hue changes from one end to the other, as in a hospital. We call such buildings **wayfinding**, and those without accents **plain**.
 
 # %% hidden=true
 # The same flat with and without accents
@@ -879,7 +879,7 @@ both = side_by_side(plans, ["plain", "wayfinding"], height=300)
 show(side_by_side([both, stacked(images, ["the hallway, plain", "wayfinding"])], gap=10))
 
 # %% [markdown]
-# How would you find out what a score knows? Not by comparing it with chance: without ever looking at the goal, a network can learn that hallways lead on and closets don't. So train a second one **blind**, without the goal's panorama, and let both choose a direction at the same places. Only the difference is knowledge of the goal. *Easy* goals are 1.5 to 3 m away, *medium* ones 3 to 5 m, *hard* ones 5 to 10 m.
+# How would you find out what a score knows? Not by comparing it with chance: without ever looking at the goal, a network can learn that hallways lead on and closets don't. So train a second one **blind**, without the goal's panorama, and let both choose a direction at the same places. Only the difference is knowledge of the goal. A choice is right if its path is at most half a metre longer than the best one. *Easy* goals are 1.5 to 3 m away, *medium* ones 3 to 5 m, *hard* ones 5 to 10 m.
 
 # %% hidden=true
 # Both networks on the same decisions in twenty test worlds, where the goal is in another node:
@@ -910,7 +910,7 @@ def scores_chart(hidden=("plain", "hard"), titles=("plain", "wayfinding")):
                 tones = {"color": colours.unit(tone), "ecolor": colours.unit(colours.INK)}
                 axis.bar(place + shift, row["top1"], 0.38, yerr=gap, label=word, **tones)
         axis.set_xticks(range(3), LEVELS)
-        axis.set(ylim=(0, 1.12), title=title)
+        axis.set(xlim=(-0.5, 2.5), ylim=(0, 1.12), title=title)
     axes[0].set(ylabel="finds the best direction")
     axes[0].legend(loc="upper left", ncols=2, fontsize=10)
     return from_figure(figure)
@@ -937,7 +937,7 @@ blind = Prediction(
 display(blind)
 
 # %% [markdown]
-# So in a plain building, far from the goal, the score is habit: it knows which direction leads *out*. With accents it compares hues, and knows which way is nearer. A choice counts as the best if its path is at most half a metre longer; thin lines are 95 % intervals.
+# So in a plain building, far from the goal, the score is habit: it knows which direction leads *out*. With accents it compares hues, and knows which way is nearer. Thin lines are 95 % intervals.
 #
 # <details><summary>What are the differences in points?</summary>
 # On <b>easy</b> decisions the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones in plain buildings it is worth nothing, and with wayfinding accents it is worth 8 points. These are decisions whose goal is in another node, since F_S is asked only there (4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">page of results</a> has all of them.
@@ -946,12 +946,12 @@ display(blind)
 # Hardly. Two models (trees with gradient boosting) are told the kinds of rooms and all distances, so nobody has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions: next to nothing. In <b>wayfinding</b> buildings the gain is 25 points, 29 and 16: both models read the hues, too. On hard ones the model with the goal finds the best direction in 70 % of all decisions, and in 51 % in plain buildings. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
 # </details>
 # <details><summary>Then why does F_S help in the paper, whose homes have no accents?</summary>
-# A likely reason: homes aren't drawn at random. A bathroom is beside bedrooms, a kitchen beside the dining room, and wherever the places of rooms depend on their kinds, kinds say something about places. In its Table 1 the advantage over the next best agent is largest on hard episodes. It's the <i>buildings</i> that carry the semantics; a network can only find them there.
+# A likely reason: homes aren't drawn at random. A bathroom is next to bedrooms, a kitchen beside the dining room, and wherever the places of rooms depend on their kinds, kinds say something about places. In its Table 1 the advantage over the next best agent is largest on hard episodes. It's the <i>buildings</i> that carry the semantics; a network can only find them there.
 # </details>
 #
 # ### Ten goals in a row
 #
-# This is the twin of the paper's Fig. 8. The robot gets ten goals in a row, each 1.5 to 5 m on, and keeps its graph. Two others lack a part: *no graph* takes the best score in sight and remembers nothing, and *no score* picks a ghost at random. Watch which part is missed where.
+# This is the twin of the paper's Fig. 8. The robot gets ten goals in a row, each 1.5 to 5 m from the last, and keeps its graph. Two others lack a part: *no graph* takes the best score in sight and remembers nothing, and *no score* picks a ghost at random. Watch which part is missed where.
 
 # %% hidden=true
 # The twin of Fig. 8, from a stored run
@@ -980,11 +980,11 @@ axes[0].legend(loc="lower left", fontsize=11)
 show(from_figure(figure))
 
 # %% [markdown]
-# In plain buildings the graph pays more from goal to goal, as in the paper: it knows more and more. Where accents lead the way, the best score in sight is enough. The gap to *no score* grows here, and in the paper it shrinks; we haven't measured why. The [page of results](../tutorial_lib/results/README.md#fig-8-goals-one-after-another) has the numbers, and the paper's [other figures](../tutorial_lib/results/README.md#figs-3-4-9-and-10-examples).
+# In plain buildings the graph pays more after the first goal, as in the paper: by then it knows something. Where accents lead the way, the best score in sight is enough. The gap to *no score* grows here, and in the paper it shrinks; we haven't measured why. The [page of results](../tutorial_lib/results/README.md#fig-8-goals-one-after-another) has the numbers, and the paper's [other figures](../tutorial_lib/results/README.md#figs-3-4-9-and-10-examples).
 #
 # ## 8 · Your own score
 #
-# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. The score is **100 · SPL** on hard episodes in four buildings that it has never seen, two of them plain. A random ghost is far below the library's score, and an oracle is near 100, so there's room. There's more than one good answer. What you're given about the G ghosts:
+# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. It earns **100 · SPL** on hard episodes in four buildings that it has never seen, two of them plain. A random ghost earns far less than the library's score, and an oracle nearly 100, so there's room. What you're given about the G ghosts:
 #
 # | each is (G,) | |
 # |---|---|
@@ -994,7 +994,7 @@ show(from_figure(figure))
 # | `apart` | metres from the ghost to the nearest node |
 # | `crowd` | how many other ghosts are within 1.5 m of it |
 # | `node` | the number of its node; the newest is the highest |
-# | `spare` | True if it's from the reserve list; when no ghost is left, all of those become ghosts, and False |
+# | `spare` | True if it's from the reserve list; when no ghost is left, the whole list turns into ghosts, and `spare` is False |
 
 # %%
 NAME = "my score"  # in the league table
@@ -1115,12 +1115,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good scores, quite different; enter yours first</summary>
-# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the price of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: to turn round costs up to 18 actions, and a robot that follows every small difference of two scores goes to and fro. Both lead, by a few points on forty goals. In other buildings the order may change; that's why the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a> says of the first half of the first one that it changes nothing measurable.
+# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the price of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: to turn round costs up to 18 actions, and a robot that follows every small difference of two scores goes to and fro. Both lead, by a few points on forty goals. In other buildings the order may change: on the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a>, counting the metres changes nothing measurable.
 # </details>
 #
 # ## 9 · How it ends
 #
-# Sixteen hard goals in two more buildings, for your loop and the library's agent. The pictures are the failures: blue where it started, vermilion where it ended, green the goal. Ask of each: was it the score, the graph, or the recognition of the goal?
+# Your loop and the library's agent look for sixteen hard goals in two more buildings. The pictures show the failures: blue is the start, vermilion the end, green the goal. Ask of each: was it the score, the graph, or the recognition of the goal?
 
 # %% hidden=true
 # The library's agent on hard episodes of two more buildings (about 10 s)
@@ -1168,14 +1168,14 @@ show(stacked(rows)) if rows else print("None failed; draw more episodes.")
 
 # %% [markdown]
 # <details><summary>What causes them?</summary>
-# <b>Out of steps</b> is the most frequent end: scores of far places are guesses, and a robot that follows the best guess goes to and fro between ghosts with similar scores; or the score is wrong for good, and the robot is thorough in the wrong wing. A goal that it passes and doesn't see ends so, too: behind furniture it isn't visible from every place within 3 m. <b>No ghost left</b> happens to your loop, not to the library's: where no direction leads on by the paper's definition (section 3), the loop ends, and the library goes on with its reserve list. <b>Stopped elsewhere</b> can happen if the network takes another place for the goal's (F_L) or its distance is off (F_R); mostly such beliefs are corrected on the way, from nearer by.
+# <b>Out of steps</b> is the most frequent end: scores of far places are guesses, and a robot that follows the best guess goes to and fro between ghosts with similar scores; or the score is wrong for good, and the robot is thorough in the wrong wing. So does a robot that passes the goal and doesn't see it: behind furniture, a goal isn't visible from every place within 3 m. <b>No ghost left</b> happens to your loop, not to the library's: where no direction leads on by the paper's definition (section 3), the loop ends, and the library goes on with its reserve list. <b>Stopped elsewhere</b> can happen if the network takes another place for the goal's (F_L) or its distance is off (F_R); mostly such beliefs are corrected on the way, from nearer by.
 # </details>
 #
 # ## 10 · The next evening
 #
-# When the episode ends, the robot forgets the flat. What a waste! Its run is a drive like those of notebook 05, and 06's agent can learn it. Cut one image out of each panorama ahead and one **over the shoulder**, and it also knows the way back. On the next visit it plans over that map, and where the planner refuses, today's explorer takes over.
+# When the episode ends, the robot forgets the flat. What a waste! Its run is a drive like those of notebook 05, and 06's agent can learn it. Cut two images out of each panorama, one ahead and one **over the shoulder**, and it also knows the way back. On the next visit it plans over that map, and where the planner refuses, today's explorer takes over.
 #
-# Here are second visits to twenty plain buildings. Some goals were passed on the first visit, others weren't.
+# Here are second visits to twenty plain buildings. The robot passed some of the goals on its first visit.
 
 
 # %% hidden=true
@@ -1201,7 +1201,7 @@ def visits_chart(methods, title):
         bars = axis.bar(np.arange(2) + shift, values, 0.24, color=colours.unit(tone), label=name)
         axis.bar_label(bars, [f"{value:.0%}" for value in values], fontsize=11)
     axis.set_xticks(range(2), ["goals that it passed", "goals elsewhere"])
-    axis.set(ylim=(0, 1.15), ylabel="reached", title=title)
+    axis.set(xlim=(-0.5, 1.5), ylim=(0, 1.15), ylabel="reached", title=title)
     axis.legend(fontsize=11)
     return from_figure(figure)
 
@@ -1220,7 +1220,7 @@ together = Prediction(
     because="that's in the middle. But nobody averages here: the explorer is called when the map "
     "gives up, so both have to fail.",
     before=visits_chart(("memory", "explorer"), "Each of the two alone"),
-    after=visits_chart(("memory", "explorer", "both"), "Where it passed, both beat either"),
+    after=visits_chart(("memory", "explorer", "both"), "Goals that it passed: together they win"),
 )
 display(together)
 
@@ -1262,7 +1262,7 @@ rows = [side_by_side(shots[j : j + 3], titles[j : j + 3], height=290) for j in (
 show(stacked(rows))
 
 # %% [markdown]
-# Each title has the actions of a drive, and how many of them were on a path of the map.
+# The arrow is the start. Each title counts a drive's actions, and how many of them followed the map.
 #
 # **Close it and draw the pipeline**, with your function names: from a panorama to *stop*.
 #
@@ -1289,4 +1289,4 @@ show(stacked(rows))
 #
 # **Extras, if you like.** Call `global_policy` with `weight=0.3` in `explore`: do detours get shorter? Give `explore` a reserve list, of the directions in which `robot.explorable()` is False: what does it save? On frontiers read B. Yamauchi, [*A Frontier-Based Approach for Autonomous Exploration*](https://doi.org/10.1109/CIRA.1997.613851), CIRA 1997.
 #
-# Tonight your robot found its way in a flat that it had never seen, and on its second visit it remembered the first. But only that one: what it sees on the second visit is lost again. Let it live in a building for ten days, and on the tenth it'll know what it knew after one. In notebook 10 it remembers all ten.
+# Tonight your robot found its way in a flat that it had never seen, and on its second visit it remembered the first. But only that one: what it sees on the second visit is lost again. After ten days in a building, it would know what it knew after one. In notebook 10 it remembers all ten.

@@ -121,9 +121,9 @@ the ghosts that were there before stay, unless the new node stands there
     ghosts | -> set() |
 the new node has ghosts of its own, one in each explorable direction
     ghosts | {(node, k) for k in np.flatnonzero(explorable).tolist()} -> set(ghosts)
-the other nodes count also where no ghost was left before
+the other nodes count even where no ghost was left before
     in beside.items(): -> in beside.items() if ghosts else ():
-the ghosts that were there before stay also where no node is beside the new one
+the ghosts that were there before stay even where no node is beside the new one
     ghosts | -> (ghosts if beside else set()) |
 a ghost only in directions that are explorable; yours has all twelve
     np.flatnonzero(explorable).tolist() -> range(_DIRECTIONS)

@@ -68,7 +68,7 @@ a node is new
     if robot.sees_goal(): -> if (arrived or robot.node() is None) and robot.sees_goal():
 call sees_goal(), and to_goal() where it is seen
     if robot.sees_goal(): -> if False:
-only where to_goal() returned True has the robot reached the goal
+the robot has reached the goal only if to_goal() returned True
     found = robot.to_goal() -> found = robot.to_goal() or True
 the robot has still just arrived at a ghost where it then took something for the goal: that place
 becomes a node
@@ -86,7 +86,7 @@ the score alone chooses the ghost, as in the paper: call global_policy without a
         -> global_policy(graph, here, ghosts, scores, weight=0.3)
 the loop ends when robot.steps is 0
     robot.steps > 0 -> True
-a ghost that was reached becomes a node also where F_L still has the robot in the old one
+a ghost that was reached becomes a node even where F_L still has the robot in the old one
     here is None or arrived -> here is None
 a ghost that was reached becomes a node, whatever node F_L takes it for
     graph, ghosts, scores, arrived = nx -> last = -1; graph, ghosts, scores, arrived = nx
@@ -116,7 +116,7 @@ is, and no weight of the metres in global_policy
     (graph, here, ghosts, scores) -> (graph, here, own, scores)
 remove the ghost after the drive, reached or not, or the robot will want to go there again
     ghosts = ghosts - {ghost} -> pass
-remove the ghost also where to_ghost returned False: it cannot be reached
+remove the ghost even where to_ghost returned False: it cannot be reached
     ghosts = ghosts - {ghost} -> ghosts = ghosts - {ghost} if arrived else ghosts
 """
 OTHERS = {

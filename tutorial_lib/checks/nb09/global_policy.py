@@ -209,7 +209,7 @@ a ghost costs the metres of the shortest path in metres, not those of the one of
 where all values are below 0, one is the greatest nevertheless: a search that starts from 0 finds
 none
     goal is None and not ghosts -> goal is None and max(map(value, ghosts), default=0.0) <= 0
-`weight` itself multiplies the distance, also where it is below 1
+`weight` itself multiplies the distance, even where it is below 1
     weight * cost -> (weight >= 1) * cost
 `weight` may be more than 1
     weight * cost -> min(weight, 1.0) * cost
@@ -260,7 +260,7 @@ def _broken(
                 "whole shortest path to its node"
             )
         return "the ghost with the greatest score of all in `ghosts`, with its digits as they are"
-    return "the next node on the path that is shortest in metres, also where weight is 0"
+    return "the next node on the path that is shortest in metres, even where weight is 0"
 
 
 def _why(got: Choice, want: Choice, graph: nx.Graph, here: int, *_: object) -> str:
