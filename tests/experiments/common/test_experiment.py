@@ -171,6 +171,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "ltvn_lifelong long",
         "ltvn_lifelong parts",
         "race carried",
+        "race changed",
         "race exact",
         "race ingredients",
     }
