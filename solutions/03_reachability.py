@@ -1382,7 +1382,10 @@ def colleagues(values):
 
 figure, axes = chart(9.0, 4.4, columns=2)
 for axis, values, name in zip(
-    axes, (colleagues(all_to_all), all_to_all), ("the colleague's table", "all queried"), strict=True
+    axes,
+    (colleagues(all_to_all), all_to_all),
+    ("the colleague's table", "all queried"),
+    strict=True,
 ):
     axis.imshow(values, vmin=0, vmax=1, cmap="cividis", extent=(-1, 8, 8, -1))
     axis.set(xlabel="target, m along the trajectory", ylabel="car, m along the trajectory")
