@@ -186,6 +186,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
             "--agent: meng_fig9 cannot use it; its options: --worlds A:B",
         ),
         (["experiment", "meng_table2", "--agent", "x.py:A"], "there is no file x.py"),
+        (["build", "--students", "--slides", "x"], "build: --students writes no slides; give"),
         (["build", "99_nothing"], "build: no solutions/99_nothing.py; there are 00_start_here"),
         (["experiment", "meng_table2", "--agent", "x.py"], "give FILE.py:CLASS"),
         (["experiment", "meng_table2", "--ablation", "rows"], "meng_table2 has thresholds"),

@@ -48,7 +48,6 @@ def written(tmp_path_factory):
         ]
     cells.insert(3, new_code_cell(ASKING))
     solved = new_notebook(cells=cells)
-
     execute(solved, project / "notebooks")
     nbformat.write(solved, project / "solutions/05_maps.ipynb")
     return write_slides(project / "solutions/05_maps.py", project / "slides")
@@ -73,7 +72,6 @@ def test_a_file_has_opening_questions_and_some_figures_and_needs_no_network(writ
 
 def figure(level):
     png = cv2.imencode(".png", np.full((3, 4, 3), level, np.uint8))[1]
-
     return new_output("display_data", {"image/png": b64encode(png).decode()})
 
 

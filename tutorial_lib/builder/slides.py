@@ -59,8 +59,8 @@ def write_slides(source: Path, folder: Path) -> Path:
     Raises:
         InputError: when a cell raises.
     """
-    file = source.with_suffix(".ipynb")
-    solved = instance("notebook", nbformat.read(file, as_version=4), NotebookNode)
+    stored = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    solved = instance("notebook", stored, NotebookNode)
     asking = deepcopy(solved)
     execute(asking, source.parent.parent / "notebooks", {STATIC: ""})
     slides = slides_of(solved, asking)

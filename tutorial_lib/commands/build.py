@@ -34,6 +34,8 @@ def run(options: argparse.Namespace) -> int:
     for name in options.names:
         if name not in known:
             raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
+    if options.students and options.slides is not None:
+        raise InputError("build: --students writes no slides; give --slides DIR alone")
     names = options.names or known
     if options.slides is not None:
         make_folder(options.slides)

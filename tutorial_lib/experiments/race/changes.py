@@ -14,7 +14,7 @@ from tutorial_lib.world.floorplan import Door, FloorPlan, Furniture
 from tutorial_lib.world.scene import Scene
 
 MOVED = 0.2
-"""Share of the furniture that is moved, within its room."""
+"""Share of the furniture that is moved within its room, where there is another place for it."""
 _DEPTH = 0.4  # metres of the cupboard that closes a door
 _FREE = 0.6  # metres around goals and starts in which nothing is put
 _AT_DOOR = 0.75  # metres around the middle of a door in which nothing is put
