@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.world.floorplan import Door, FloorPlan, Furniture
+from tutorial_lib.world.generators.furnish import box_of
+from tutorial_lib.world.generators.rectilinear import overlap
 from tutorial_lib.world.scene import Scene
 
 MOVED = 0.2
@@ -87,14 +88,14 @@ def _moved(plan: FloorPlan, places: Array, rng: np.random.Generator) -> FloorPla
         if room is None:
             continue
         corners = np.array(room.outline)
-        others = [outline for i, outline in enumerate(pieces) if i != number]
+        others = [box_of(_outline(one)) for i, one in enumerate(pieces) if i != number]
         for _ in range(_TRIES):
             place = rng.uniform(corners.min(axis=0), corners.max(axis=0))
             pose = np.array([*place, rng.integers(4) * np.pi / 2])
             put = to_world(pose, piece - piece.mean(axis=0))
             if (
                 room.contains(put).all()
-                and not any(_overlap(put, outline) for outline in others)
+                and not any(overlap(box_of(_outline(put)), other) for other in others)
                 and _apart(put, places) > _FREE
                 and _apart(put, doors) > _AT_DOOR
             ):
@@ -109,17 +110,10 @@ def _outline(corners: Array) -> tuple[tuple[float, float], ...]:
     return tuple((float(x), float(y)) for x, y in corners)
 
 
-def _overlap(one: Array, other: Array) -> bool:
-    """Whether the boxes around two outlines overlap."""
-    return bool(
-        (one.min(axis=0) < other.max(axis=0)).all() and (other.min(axis=0) < one.max(axis=0)).all()
-    )
-
-
 def _apart(outline: Array, places: Array) -> float:
     """Metres from the box around an outline to the nearest of places (K, 2)."""
     low, high = outline.min(axis=0), outline.max(axis=0)
-    gap: NDArray[np.float64] = np.maximum(np.maximum(low - places, places - high), 0.0)
+    gap = np.maximum(np.maximum(low - places, places - high), 0.0)
     return float(np.linalg.norm(gap, axis=1).min(initial=np.inf))
 
 

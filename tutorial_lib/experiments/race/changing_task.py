@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from tutorial_lib.driving.geodesics import GridPaths
@@ -23,8 +21,7 @@ class ChangingTask(ExplorationTask):
         """
         (name,) = self.scenes
         self.scenes = {name: scene}
-        rows: np.ndarray[Any, np.dtype[np.intp]] = np.arange(len(self))
-        self._rows = [(scene, rows)]
+        self._rows = [(scene, np.arange(len(self)))]
         poses = self.poses.copy()
         caught = scene.clearance.at(poses[:, :2]) < DifferentialDrive.radius
         paths = GridPaths(scene.clearance)
