@@ -1,6 +1,7 @@
 """Options and small worlds that several tests share, and how tests run side by side."""
 
 import os
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,7 @@ def pytest_cmdline_main(config):
 def pytest_configure(config):
     os.environ.setdefault("TUTORIAL_ANSWERS", "")  # answers that pass in a test are not kept
     config.addinivalue_line("markers", "full: runs only with --full")
+    config.addinivalue_line("markers", "few(n): without --full only its first n cases run")
     if config.getoption("--full"):
         settings.load_profile("thorough")
     if getattr(config.option, "tx", []):  # the workers inherit it
@@ -87,9 +89,13 @@ def pytest_xdist_make_scheduler(config, log):
 
 def pytest_collection_modifyitems(config, items):
     if not config.getoption("--full"):
+        cases = Counter()
         for item in items:
-            if item.get_closest_marker("full"):
+            test = item.nodeid.partition("[")[0]
+            few = item.get_closest_marker("few")
+            if item.get_closest_marker("full") or (few and cases[test] >= few.args[0]):
                 item.add_marker(pytest.mark.skip(reason="slow: start.py test --full runs it"))
+            cases[test] += 1
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: rank(item.nodeid))
 

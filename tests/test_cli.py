@@ -329,6 +329,7 @@ sys.exit(cli.main(["progress", *sys.argv[1:]]))
     [([], 1, False), ([], 1, True), ([], 0, True), (["--help"], 0, False)],
 )
 @pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.few(2)
 def test_a_reader_that_ends_early_is_no_full_disk(
     arguments, lines, merged, unbuffered, monkeypatch
 ):
@@ -464,6 +465,7 @@ runpy.run_module("tutorial_lib", run_name="__main__")
         pytest.param("RolloutFilm.__getitem__", ["--oracle"], marks=pytest.mark.full),
     ],
 )
+@pytest.mark.full
 def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, tmp_path_factory, what, arguments):
     script = INTERRUPTED.format(what=what)
     hall = save_hall(tmp_path_factory.mktemp("hall"))
@@ -497,6 +499,7 @@ def few_drives(monkeypatch):
 
 @pytest.mark.usefixtures("few_drives")
 @pytest.mark.parametrize("family", ["hall", "scanned"])
+@pytest.mark.few(1)
 def test_experiment_plans_runs_in_the_family_asked_for(family, capsys):
     assert main(["experiment", "plans", "--worlds", "10502:10503", "--family", family]) == 0
     (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if family in line][:1]

@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 @pytest.mark.parametrize("name", [IMAGE_GOAL, CAR])
+@pytest.mark.few(1)
 def test_gymnasium_finds_them_by_name_with_the_module_in_front(name):
     script = f"""
 import gymnasium, sys
@@ -65,6 +66,7 @@ def test_flat_views_of_the_car_have_its_speed_and_steering():
     assert small["steering"] == pytest.approx([-0.32], abs=0.01)
 
 
+@pytest.mark.full
 def test_one_image_has_the_goal_behind_the_view():
     for name, least, rows, columns in ((IMAGE_GOAL, 36, 48, 192), (CAR, 16, 16, 64)):
         environment = gymnasium.make(name, worlds=(10_100,))

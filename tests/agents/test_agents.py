@@ -205,6 +205,7 @@ def test_a_robot_without_a_plan_searches_for_one():
     assert not navigation.given_up[0]
 
 
+@pytest.mark.full
 def test_a_robot_searches_for_twenty_seconds_each_time():
     unknown, sure = Plan(refusal="no path"), Plan((7, 8), 0, SURE)
     # A plan every second; what is found after 15 s leads to a wall, and after 15 s more to a goal.

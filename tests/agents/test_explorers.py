@@ -71,6 +71,7 @@ def ran(scenes, episodes):
 
 
 @pytest.mark.parametrize("noise", [True, False])
+@pytest.mark.full
 def test_with_true_geometry_the_paper_s_agent_hardly_fails(scenes, episodes, ran, noise):
     task, agent = ran("nts") if noise else run("nts", scenes, episodes, noise=False)
     assert task.success.mean() >= 0.94
@@ -101,6 +102,7 @@ def test_scores_pay_and_the_oracle_is_above_all(ran):
         *(pytest.param(name, marks=pytest.mark.full) for name in ("histogram", "chance")),
     ],
 )
+@pytest.mark.few(2)
 def test_every_variant_explores_and_every_episode_ends(name, ran):
     task, _ = ran(name)
     assert task.done.all()

@@ -255,6 +255,7 @@ AGENTS = {
 
 
 @pytest.mark.parametrize("kind", AGENTS)
+@pytest.mark.few(2)
 def test_an_episode_does_not_depend_on_its_neighbours(kind, scenes):
     episodes = draw_episodes(WORLD, scenes[WORLD], {"hard": 4}, np.random.default_rng(5))
     paths = []

@@ -112,6 +112,7 @@ def test_a_robot_that_is_not_carried_has_one_graph_and_one_that_is_joins_two():
         assert len(looks) >= len(robot.memory.graph)
 
 
+@pytest.mark.full
 def test_a_robot_that_does_not_relocate_begins_no_other_graph():
     _, agent = life(lifelong(relocates=False), carried=(2,))
     assert not any(islands.left for islands in agent.islands)

@@ -92,6 +92,7 @@ def test_a_map_goes_with_the_remedies_that_made_it():
 
 
 @pytest.mark.parametrize("name", REMEDIES)
+@pytest.mark.few(2)
 def test_a_goal_in_sight_is_reached_with_any_remedies(name):
     navigation, line = agent_on_line(name).start([goals_at(5.5)]), Line([0.2])
     assert isinstance(navigation, Navigation)

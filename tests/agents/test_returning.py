@@ -98,6 +98,7 @@ def test_memory_leads_to_places_that_the_robot_passed(explored, memory, trials):
     assert task.spl.mean() > 0.5
 
 
+@pytest.mark.full
 def test_the_explorer_takes_over_where_nothing_is_remembered(explored, memory, trials):
     episodes, kinds = trials
     task = task_of(explored, episodes)

@@ -114,6 +114,7 @@ def test_a_solution_gets_only_what_it_needs_of_earlier_cells(source):
     assert len(made) > 40
 
 
+@pytest.mark.full
 def test_a_survivor_needs_a_reason_and_a_reason_a_survivor(source, tmp_path):
     known = tmp_path / "known.json"
     change = (

@@ -159,6 +159,7 @@ def test_other_text_is_written_without_executing_the_code_again(project):
     assert after.cells[-1].outputs == before.cells[-1].outputs
 
 
+@pytest.mark.full
 def test_a_page_has_no_progress_bars(project):
     source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
     source.write_text(RUNNABLE + "\n# %%\nfrom tqdm.auto import tqdm\n\nlist(tqdm(range(3)))\n")

@@ -132,6 +132,7 @@ def test_references_run_once_and_a_second_class_costs_its_own_run(board, capsys,
     assert "  1  0.950  own.py:Mine  <- you" in capsys.readouterr().out
 
 
+@pytest.mark.full
 def test_a_class_that_ends_its_process_is_said_so(tmp_path):
     (tmp_path / "own.py").write_text(CLASS.format(init="import os; os._exit(3)", act="pass"))
     found = command.apart(5.0, f"{tmp_path / 'own.py'}:Mine", True, True)

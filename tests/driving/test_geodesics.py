@@ -102,6 +102,7 @@ def test_waypoints_are_on_the_path_in_sight_and_within_reach(paths, pillars):
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_lengths_without_paths_are_the_same_to_the_last_bit(family):
     paths, rng = GridPaths(Scene(generate(family, 7)).clearance), np.random.default_rng(4)
     goals = paths.points[rng.integers(len(paths.points), size=6)]
@@ -152,6 +153,7 @@ def test_a_goal_that_is_not_free_is_refused(paths, goal):
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_each_plan_hangs_together(family):
     scene = Scene(generate(family, 12))
     paths = GridPaths(scene.clearance, 0.25)

@@ -33,6 +33,7 @@ def test_gymnasium_s_checker_is_content(choice):
         check_env(environment.unwrapped)
 
 
+@pytest.mark.full
 def test_the_same_seed_and_actions_give_the_same_episode():
     rolled = []
     for seed in (4, 4, 5):
@@ -97,6 +98,7 @@ def test_an_episode_is_truncated_after_500_steps():
     assert environment.step(AHEAD * 0)[1:4] == (0.0, False, True)
 
 
+@pytest.mark.full
 def test_cars_fit_where_episodes_start():
     environment = gymnasium.make(NAME, worlds=range(10_100, 10_104), sensor="rgb").unwrapped
     for seed in range(30):

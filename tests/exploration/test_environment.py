@@ -30,6 +30,7 @@ PLAN = make_box(9.0, 5.0, [(3.0, 2.5, 0.4)])
         {"plan": PLAN, "render_mode": "top_view"},
     ],
 )
+@pytest.mark.few(1)
 def test_gymnasium_s_checker_is_content(choice):
     environment = gymnasium.make(NAME, **choice)
     with warnings.catch_warnings():

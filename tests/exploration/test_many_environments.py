@@ -32,6 +32,7 @@ def test_gymnasium_makes_it_and_its_observations_fit_the_space():
     assert info["steps"].tolist() == [1, 1, 1]
 
 
+@pytest.mark.full
 def test_the_same_seed_and_actions_give_the_same_episodes_through_resets():
     rolled = []
     for _ in range(2):
@@ -46,6 +47,7 @@ def test_the_same_seed_and_actions_give_the_same_episodes_through_resets():
 
 
 @pytest.mark.parametrize("sensor", ["rgbd", "rgb"])
+@pytest.mark.few(1)
 def test_each_is_an_environment_of_its_own_to_the_last_bit(sensor):
     many = make(5, reward="shaped", sensor=sensor)
     first, _ = many.reset(seed=4)
@@ -132,6 +134,7 @@ def test_options_hold_for_all_episodes_until_the_next_reset():
 
 
 @pytest.mark.parametrize("actions", [[0, 1, 4], [0, 1], "left"])
+@pytest.mark.few(1)
 def test_wrong_actions_are_refused(actions):
     many = make()
     with pytest.raises(InputError, match="call reset first"):

@@ -83,6 +83,7 @@ def roll(task, choose, steps):
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
+@pytest.mark.full
 def test_a_robot_moves_as_it_does_without_the_others(seed, fewer):
     actions = np.random.default_rng(seed).integers(1, 4, (130, 5))
     actions[actions[:, 4] == 1, 4] = STOP  # the last one stops at some time

@@ -334,6 +334,7 @@ def neighbours_of(recorded, predictor, count=9):
 
 
 @pytest.mark.parametrize("encoder", ENCODERS)
+@pytest.mark.few(2)
 def test_targets_that_share_pictures_are_encoded_as_if_alone(recorded, seen, encoder):
     predictor = predictor_of(encoder, k=2)
     contexts = neighbours_of(recorded, predictor)

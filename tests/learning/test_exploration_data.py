@@ -71,6 +71,7 @@ def test_places_are_free_and_anywhere(scene):
     assert np.histogram(poses[:, 2], 4, (-np.pi, np.pi))[0].min() > 70
 
 
+@pytest.mark.full
 def test_metres_are_geodesics_from_the_ends_to_the_goal(scene, world):
     paths, labels = GridPaths(scene.clearance), PanoramaLabels(scene, world.poses)
     for source, goal in ((0, 5), (7, 3), (12, 29)):
@@ -127,6 +128,7 @@ def test_both_kinds_of_signs_show_the_same_places(world):
     assert 0.02 < differs < 0.6
 
 
+@pytest.mark.full
 def test_a_recording_is_kept_and_a_damaged_one_made_again(world, folder, monkeypatch):
     (path,) = (folder / "panoramas").glob("*.npz")
     before = path.read_bytes()

@@ -148,6 +148,7 @@ def test_the_best_choice_is_judged_by_its_metres():
     ("sensor", "blind"),
     [("rgb", False), pytest.param("rgbd", False, marks=pytest.mark.full), ("rgbd", True)],
 )
+@pytest.mark.few(1)
 def test_a_few_steps_on_one_batch_lower_every_loss(batch, sensor, blind):
     network, objective = network_of(sensor, blind), PanoramaObjective()
     optimizer = torch.optim.Adam(network.parameters(), 2e-3)

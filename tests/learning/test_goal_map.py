@@ -63,6 +63,7 @@ def network_of():
     return GoalMapNetwork(GoalMapArchitecture("rgbd")).eval()
 
 
+@pytest.mark.full
 def test_maps_are_half_explored_and_have_a_choice(maps, arrays):
     assert len(maps.crops) == 2 * len(arrays["poses"])  # with and without signs
     assert maps.crops.shape[1:] == (CROP, CROP)

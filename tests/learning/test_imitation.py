@@ -146,6 +146,7 @@ def test_steps_after_the_end_of_an_episode_are_not_learned_from(episodes):
 
 
 @pytest.mark.parametrize("sensor", ["rgb", "rgbd"])
+@pytest.mark.few(1)
 def test_a_few_steps_on_one_batch_lower_the_loss(episodes, sensor):
     batch = ImitationSource([episodes], worlds=1, targets=2, vary=False).block([0])
     network, objective = network_of(sensor), ImitationObjective()

@@ -203,6 +203,7 @@ def test_every_world_is_searched_and_none_is_lost(recorded, network, monkeypatch
 # Calibration.
 
 
+@pytest.mark.full
 def test_a_calibration_is_fitted_and_measured_on_what_can_be_seen(recorded, network, monkeypatch):
     labelled = [LabelledWorld(recorded, made_up(recorded, 250, seed)) for seed in range(2)]
     predicted, label = [], []

@@ -172,6 +172,7 @@ class Fixed(OutcomeSource):
         return super().block([0])
 
 
+@pytest.mark.full
 def test_outcomes_by_lot_can_be_learnt_by_heart(labelled):
     fixed = Fixed(labelled, SMALL, mined=0.0, worlds=1, targets=8, vary=False)
     block = fixed.block([])

@@ -29,6 +29,7 @@ def run(*arguments, **environment):
     return [int(number) for number in found.stdout.split()]
 
 
+@pytest.mark.full
 def test_the_environment_decides():
     assert run(f"{LOADED}; {SHOWN}", OMP_NUM_THREADS="2") == [2]
 

@@ -669,6 +669,7 @@ class Fixed(Source):
 
 
 @pytest.mark.parametrize("encoder", ["matching", pytest.param("pair", marks=pytest.mark.full)])
+@pytest.mark.few(1)
 def test_a_tiny_problem_is_learnt(worlds, encoder):
     architecture = Architecture(0, encoder)
     fixed = Fixed(worlds[:1], architecture, worlds=1, targets=8, vary=False)

@@ -461,6 +461,7 @@ def tiny(tmp_path, monkeypatch):
     return recipe
 
 
+@pytest.mark.full
 def test_the_command_trains_saves_and_goes_on_where_it_was_stopped(tiny, tmp_path, capsys):
     with joblib.parallel_config(backend="threading"):
         assert cli.main(["train", "waypoint", "--k", "0"]) == 0

@@ -129,6 +129,7 @@ def test_the_version_stands_in_the_changes_and_the_citation():
         assert re.search(rf"^(?:## |version: ){tutorial_lib.__version__}$", text, re.M), name
 
 
+@pytest.mark.full
 def test_all_pages_are_copied_with_what_they_link_to(course):
     for folder in ("notebooks", "solutions"):
         for page in (PROJECT / folder).glob("*.ipynb"):
@@ -155,6 +156,7 @@ def test_a_second_copy_keeps_what_the_student_wrote(course):
         notebook.write_bytes(before)
 
 
+@pytest.mark.full
 def test_answers_are_saved_counted_and_marked_in_the_course_s_folder(course):
     (course.folder / "notebooks" / "cell.py").write_text(ANSWER)
     said = course.run(*course.python("cell.py"), folder="notebooks")

@@ -194,6 +194,7 @@ def test_doors(family, seed):
 
 
 @every_plan
+@pytest.mark.few(2)
 def test_furniture_leaves_doors_and_walls_alone(family, seed):
     plan = cached(family, seed)
     corners = [np.asarray(piece.outline) for piece in plan.furniture]
@@ -298,6 +299,7 @@ def test_same_bytes_in_another_process():
 
 
 @every_family
+@pytest.mark.few(2)
 def test_shifted_palette_changes_only_the_look(family):
     plain, shifted = cached(family, 42), generate(family, 42, palette="shifted")
     for name in ("walls", "wall_offsets"):
@@ -428,6 +430,7 @@ def test_outline_refuses_holes_and_pieces(rects):
 
 @pytest.mark.parametrize("family", ["apartment", "office", "loop_corridor", "hall"])
 @pytest.mark.parametrize("seed", [7])
+@pytest.mark.few(2)
 def test_large_plans_are_large_and_as_good(family, seed):
     plan = generate(family, seed, size="large")
     least, most = area_limits(family, "large")
@@ -446,6 +449,7 @@ def test_the_usual_size_is_any_of_them():
     assert max(areas) > area_limits("office", "large")[1]
 
 
+@pytest.mark.full
 def test_large_plans_differ_in_area():
     areas = [generate("office", seed, size="large").area for seed in range(5)]
     assert np.ptp(areas) > 40

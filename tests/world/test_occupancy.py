@@ -32,6 +32,7 @@ def in_any(outlines, points):
 
 
 @every_plan
+@pytest.mark.few(2)
 def test_clearance_is_the_exact_distance_within_a_cell(family):
     plan = generate(family, 51)
     grid = clearance_grid(plan)
@@ -43,6 +44,7 @@ def test_clearance_is_the_exact_distance_within_a_cell(family):
 
 
 @every_plan
+@pytest.mark.few(2)
 def test_all_room_is_free_but_for_furniture(family):
     plan = generate(family, 52)
     grid, points = clearance_grid(plan), anywhere(plan, 3000)
@@ -54,6 +56,7 @@ def test_all_room_is_free_but_for_furniture(family):
 
 
 @every_plan
+@pytest.mark.few(2)
 def test_nothing_is_free_in_furniture_between_wall_faces_or_outside(family):
     plan = generate(family, 53)
     grid, points = clearance_grid(plan), anywhere(plan, 6000)
@@ -79,6 +82,7 @@ def test_nothing_is_free_in_furniture_between_wall_faces_or_outside(family):
 
 
 @every_plan
+@pytest.mark.few(2)
 def test_the_free_space_goes_through_every_door(family):
     plan = generate(family, 54)
     grid = clearance_grid(plan)
@@ -106,6 +110,7 @@ def test_furniture_larger_than_the_floor_beside_it_is_not_taken_for_the_floor():
 
 
 @pytest.mark.parametrize("seed", range(60, 64))
+@pytest.mark.few(2)
 def test_loop_corridors_are_free_all_the_way_round(seed):
     plan = generate("loop_corridor", seed)
     grid = clearance_grid(plan)

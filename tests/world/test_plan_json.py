@@ -48,6 +48,7 @@ def paths(value, path=()):
 
 @pytest.mark.parametrize("palette", ["standard", "shifted"])
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_a_saved_plan_comes_back_byte_for_byte(family, palette, tmp_path):
     plan, file = generate(family, 31, palette), tmp_path / "plan.json"
     save_plan(plan, file)

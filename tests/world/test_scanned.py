@@ -26,6 +26,7 @@ def free_share_of_largest(plan):
 
 
 @every_seed
+@pytest.mark.few(2)
 def test_most_of_the_floor_hangs_together(seed):
     plan = cached("scanned", seed)
     check_closed(plan)

@@ -13,6 +13,7 @@ from tutorial_lib.world.sensors import Camera, PanoramicCamera
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_sixteen_rows_are_the_means_of_sixty_four(family):
     scene = Scene(generate(family, 71))
     poses = free_poses(scene, 50)
@@ -54,6 +55,7 @@ def test_a_wall_has_the_mean_colour_of_the_stretch_that_a_column_covers():
 
 @pytest.mark.parametrize("palette", ["standard", pytest.param("shifted", marks=pytest.mark.full)])
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_the_same_seed_gives_the_same_bytes_and_a_palette_only_other_colours(family, palette):
     scene, again = (Scene(generate(family, 73, palette)) for _ in range(2))
     poses = free_poses(scene, 20)

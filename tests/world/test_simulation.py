@@ -124,6 +124,7 @@ def test_people_walk_to_and_fro_and_wait_for_robots(box):
     assert not blocked.collided[0]
 
 
+@pytest.mark.full
 def test_noise_scales_the_controls_and_repeats_with_its_seed(box):
     starts = np.tile([2.0, 5.0, 0.0], (300, 1))
 
@@ -154,6 +155,7 @@ def test_odometry_is_exact_without_noise_and_drifts_with_it(box):
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_the_same_seed_gives_the_same_episode(family):
     def episode():
         scene = Scene(generate(family, 7))
@@ -436,6 +438,7 @@ def rest_of(simulation, rng, steps):
 
 
 @pytest.mark.parametrize(("seed", "steps"), [(0, 70), (1, 45), (3, 80), (6, 0), (4, 33)])
+@pytest.mark.few(2)
 def test_a_copy_goes_on_as_the_original_does(seed, steps):
     original, rng = cornered(seed, steps)
     alone, _ = cornered(seed, steps)

@@ -48,6 +48,7 @@ def brute_share(walls, viewer, other, field, rays):
 
 
 @pytest.mark.parametrize(("field", "rays"), [(FIELD_OF_VIEW, RAYS), (1.2, 37)])
+@pytest.mark.few(1)
 def test_overlap_is_what_brute_force_counts(field, rays):
     rng = np.random.default_rng(7)
     first = random_poses(12, 8)

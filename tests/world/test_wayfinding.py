@@ -33,6 +33,7 @@ def hue(colour):
 
 
 @every_family
+@pytest.mark.few(2)
 def test_only_colours_change(family):
     plan, plain = cached(family, 40, signs="wayfinding"), cached(family, 40)
     assert np.array_equal(plan.walls, plain.walls)
@@ -66,6 +67,7 @@ def test_accents_stand_in_a_row_on_every_wall(family):
 
 
 @pytest.mark.parametrize("family", ["apartment", "office", "hall", "loop_corridor"])
+@pytest.mark.few(2)
 def test_the_hue_of_an_accent_follows_the_distance_from_the_root(family):
     plan = cached(family, 41, signs="wayfinding")
     accents = accents_of(plan, cached(family, 41))

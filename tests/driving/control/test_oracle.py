@@ -37,6 +37,7 @@ def roll_out(scene, starts, goals, people=(), turn_first=False):
         for f in FAMILIES
     ],
 )
+@pytest.mark.few(2)
 def test_it_drives_through_every_family(family):
     scene = Scene(generate(family, 10_100))
     paths = GridPaths(scene.clearance)

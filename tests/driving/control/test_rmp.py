@@ -181,6 +181,7 @@ def test_it_drives_around_a_person_in_its_path(body):
 
 @each_body
 @pytest.mark.parametrize("family", ["apartment", pytest.param("maze", marks=pytest.mark.full)])
+@pytest.mark.few(2)
 def test_it_drives_through_a_plan(family, body):
     scene, rng = Scene(generate(family, 10_050)), np.random.default_rng(0)
     paths = GridPaths(scene.clearance)

@@ -49,6 +49,7 @@ class Unaware:
         pytest.param(BicycleCar(wheelbase=0.2), marks=pytest.mark.full),
     ],
 )
+@pytest.mark.few(1)
 def test_cars_of_another_body_reach_their_goals(body):
     scene = Scene(generate("apartment", seed=3))
     paths = GridPaths(scene.clearance)

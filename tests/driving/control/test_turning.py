@@ -1,6 +1,7 @@
 """Driving to waypoints with three-point turns: what is behind, and narrow places."""
 
 import numpy as np
+import pytest
 
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.turning import TurningController
@@ -50,6 +51,7 @@ def test_it_does_not_turn_for_what_is_beside_its_axle(box):
     assert (control.act(seen, CAR, waypoints) == RMPController().act(seen, waypoints)).all()
 
 
+@pytest.mark.full
 def test_cars_that_came_to_a_stand_get_to_what_is_near():
     # In narrow rooms; without a turn each of them stands there for ever.
     scene = scene_of("office/10101/standard")

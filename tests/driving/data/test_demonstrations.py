@@ -73,6 +73,7 @@ def test_most_trajectories_arrive_and_name_their_world(shown):
         assert t.timestamps == pytest.approx(np.arange(len(t)) * 0.1)
 
 
+@pytest.mark.full
 def test_the_same_seed_gives_the_same_bytes(scene, shown):
     assert content(demonstrate(WORLD, scene_of(WORLD), 12, 3)) == content(shown)
     assert content(demonstrate(WORLD, scene, 12, 4)) != content(shown)
@@ -115,6 +116,7 @@ def drift(trajectory):
     return np.linalg.norm(trajectory.odometry[:, :2] - exact[:, :2], axis=1)
 
 
+@pytest.mark.full
 def test_odometry_is_the_pose_since_the_start_as_wheels_measure_it(scene, shown):
     exact = demonstrate(WORLD, scene, 12, 3, odometry_noise=NoNoise())
     other = demonstrate(WORLD, scene, 12, 3, odometry_noise=DriftingOdometry(4))
@@ -166,6 +168,7 @@ def test_trajectories_with_collisions_are_dropped(scene):
     assert 0 < len(demonstrate("box", box, 300, 0, Blind())) < 60
 
 
+@pytest.mark.full
 def test_noise_is_in_the_motion_and_not_in_the_actions(scene, shown):
     noisy = demonstrate(WORLD, scene, 12, 3, control_noise=0.33)
     assert len(noisy) >= 8
@@ -202,6 +205,7 @@ def recorded(tmp_path_factory):
     return record_demonstrations(WORLDS, 4, 7, folder, jobs=2)
 
 
+@pytest.mark.full
 def test_one_file_for_each_world(recorded):
     assert [path.name for path in recorded] == ["office-1-standard.npz", "maze-2-standard.npz"]
     assert sorted(os.listdir(recorded[0].parent)) == sorted(path.name for path in recorded)
@@ -212,11 +216,13 @@ def test_one_file_for_each_world(recorded):
         assert {t.world for t in trajectories} == {world}
 
 
+@pytest.mark.full
 def test_the_number_of_processes_changes_nothing(recorded, tmp_path):
     again = record_demonstrations(WORLDS[::-1], 4, 7, tmp_path, jobs=1)
     assert [path.read_bytes() for path in again[::-1]] == [path.read_bytes() for path in recorded]
 
 
+@pytest.mark.full
 def test_a_recording_goes_on_where_it_stopped(recorded, tmp_path):
     kept, broken = (tmp_path / path.name for path in recorded)
     kept.write_bytes(recorded[0].read_bytes())
@@ -228,6 +234,7 @@ def test_a_recording_goes_on_where_it_stopped(recorded, tmp_path):
 
 
 @pytest.mark.parametrize(("count", "seed"), [(4, 8), (3, 7)])
+@pytest.mark.few(1)
 def test_another_recording_is_not_mistaken_for_this_one(recorded, tmp_path, count, seed):
     mine = tmp_path / recorded[0].name
     mine.write_bytes(recorded[0].read_bytes())
@@ -235,6 +242,7 @@ def test_another_recording_is_not_mistaken_for_this_one(recorded, tmp_path, coun
     assert mine.read_bytes() != recorded[0].read_bytes()
 
 
+@pytest.mark.full
 def test_a_file_of_another_world_is_not_taken(recorded, tmp_path):
     mine = tmp_path / recorded[0].name
     save_trajectories(mine, load_trajectories(recorded[1]))

@@ -416,6 +416,7 @@ def test_too_near_a_target_leaves_no_room_for_obstacles():
     assert len(with_obstacles(near, 1, 10, np.random.default_rng(0))[0]) == 0
 
 
+@pytest.mark.full
 def test_obstacles_are_the_same_for_the_same_seed(far, course):
     again = with_obstacles(far, 2, 15, np.random.default_rng(0))[1]
     assert np.array_equal([p.route for p in again], [p.route for p in course[1]])

@@ -166,6 +166,7 @@ def test_a_subset_of_pairs_keeps_its_rows(pairs, numbers):
 # How they are drawn.
 
 
+@pytest.mark.full
 def test_the_same_seed_draws_the_same_pairs(recorded, paths, pairs):
     assert equal(draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(0)), pairs)
     assert not equal(draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(1)), pairs)

@@ -116,6 +116,7 @@ def test_each_rollout_ends_as_if_its_robot_were_alone(world, pairs, outcomes):
 
 
 @pytest.mark.parametrize("fleet", [1, 7, 60])
+@pytest.mark.full
 def test_the_size_of_the_fleet_changes_nothing(world, pairs, outcomes, monkeypatch, fleet):
     sent = []
 

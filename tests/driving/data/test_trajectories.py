@@ -166,6 +166,7 @@ def test_a_file_cut_off_anywhere_is_refused(tmp_path):
             load_trajectories(path)
 
 
+@pytest.mark.full
 def test_a_flipped_byte_is_reported_or_harmless(tmp_path):
     path = tmp_path / "some.npz"
     some = [make(5), make(9, 1)]

@@ -29,6 +29,7 @@ def test_a_good_one_acts(path):
     assert act(path).tolist() == np.full((3, 2), 0.5).tolist()
 
 
+@pytest.mark.full
 def test_whatever_a_bad_one_does_is_said_in_one_line(path):
     for source in BAD:
         path.write_text(source, encoding="utf-8", errors="surrogatepass")

@@ -136,6 +136,7 @@ def few(clean, monkeypatch):
 
 
 @pytest.mark.parametrize("seam", SAME)
+@pytest.mark.few(1)
 def test_a_part_of_ones_own_has_a_row_of_table_1(own, few, seam):
     text, twin = SAME[seam]
     report = few.report(Options(worlds=(10_001,), quick=True, agent=own(text)))
@@ -159,6 +160,7 @@ def test_a_fault_in_table_1_costs_its_own_rows_only(own, few, capsys):
     assert said in json.loads(json.dumps(report.as_dict()))["notes"]
 
 
+@pytest.mark.full
 def test_an_explorer_of_ones_own_is_compared_and_a_fault_costs_its_own_rows_only(own, monkeypatch):
     monkeypatch.setattr(exploration, "for_each", in_turn)
     settings = nts_table1.Settings(1, ("oracle",), (), geometry=True)

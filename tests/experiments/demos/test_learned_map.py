@@ -35,6 +35,7 @@ def agent(building):
     return agent
 
 
+@pytest.mark.full
 def test_a_kept_map_is_the_one_that_was_learned(tmp_path, building, agent):
     assert load_learned(building, agents.meng(), tmp_path) is None
     kept = keep_learned(building, agent, tmp_path / "new" / "folder")

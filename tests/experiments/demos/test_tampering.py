@@ -99,6 +99,7 @@ def test_the_edge_that_is_driven_most_is_cut_and_comes_back(tampered, agent):
     assert agent.sampled.graph.has_edge(*edge)
 
 
+@pytest.mark.full
 def test_an_added_edge_joins_places_far_apart_and_all_can_be_undone(building, tampered, agent):
     before = dict(agent.sampled.graph.edges)
     tampered.press(ADD)

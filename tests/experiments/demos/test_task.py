@@ -76,6 +76,7 @@ def test_a_demo_in_a_large_hall_takes_place_in_a_part_where_re_is_sure(agent):
     assert sum(np.log(one).sum() for one in along) > -5.0
 
 
+@pytest.mark.full
 def test_trips_of_which_re_is_sure_come_first_then_those_of_the_right_length(usual, monkeypatch):
     whole = usual.building
     lengths = np.array([one.arc_length[-1] for one in whole.recorded.trajectories])
@@ -91,6 +92,7 @@ def test_trips_of_which_re_is_sure_come_first_then_those_of_the_right_length(usu
     assert 3 not in tasks._trips(whole, fits, sure)
 
 
+@pytest.mark.full
 def test_a_trip_leads_between_rooms_asked_for(flat, agent):
     start, goal = parse_end("--start", "bedroom 3"), parse_end("--goal", "kitchen")
     task = choose_task(flat, 0, 3, agent, start=start, goal=goal)

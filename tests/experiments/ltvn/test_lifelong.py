@@ -89,6 +89,7 @@ def test_a_frozen_map_does_not_change(building, queries):
     assert not agent.upkeep.events
 
 
+@pytest.mark.full
 def test_the_same_queries_end_the_same(building, queries):
     some = queries.subset(np.arange(4))
     one, other = (run_queries(building, some, learned(building), 2)[0] for _ in range(2))
@@ -142,6 +143,7 @@ def test_robots_look_before_they_drive_along_what_is_not_there(building, queries
     assert outcome.success.mean() > 0.6
 
 
+@pytest.mark.full
 def test_a_door_that_closes_costs_the_map_that_does_not_change_more(building, monkeypatch):
     """The room's pillars leave two ways; people stand across the one between them."""
     people = tuple(Person(np.array([[7.5, y]]), speed=0.0) for y in np.arange(2.0, 7.2, 0.34))

@@ -131,6 +131,7 @@ def test_the_benchmark_adds_up_what_its_processes_do(monkeypatch):
 
 
 @needs("reach_k2")
+@pytest.mark.full
 def test_the_benchmark_measures_rollouts_and_queries(monkeypatch):
     monkeypatch.setattr(reachability, "_BATCH", 32)
     few = reachability.Settings(cars=3, targets=2, anchors=12, plain=64)

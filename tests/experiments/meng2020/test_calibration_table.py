@@ -62,6 +62,7 @@ def test_each_estimator_has_its_weights_its_controller_and_its_context(monkeypat
 
 
 @needs(*WEIGHTS)
+@pytest.mark.full
 def test_each_estimator_s_network_has_the_context_that_it_is_given(recorded):
     frames = np.array([40, 90])
     for name, estimator in estimators.estimators(calibration.Settings().estimators[:5]).items():
@@ -293,6 +294,7 @@ def test_a_world_is_examined_from_every_side(world):
     assert len(one["consecutive"]) <= 2
 
 
+@pytest.mark.full
 def test_all_estimators_get_the_same_queries(world):
     for name, values in world["image"].items():
         assert np.array_equal(values, world["twin"][name]), name
@@ -360,6 +362,7 @@ def test_geometry_has_a_row_of_its_own_with_the_same_columns():
 
 
 @pytest.mark.parametrize("quick", [True, False])
+@pytest.mark.few(1)
 def test_the_experiment_has_a_row_for_every_estimator(monkeypatch, quick):
     fitted, examined = [], []
 

@@ -216,6 +216,7 @@ def test_fig_5_counts_all_anchors(recorded, planted):
     assert row["sparsity"] == pytest.approx(row["anchors"] / (2 * len(recorded.poses)))
 
 
+@pytest.mark.full
 def test_a_world_may_have_no_gaps(recorded, planted, monkeypatch):
     planted(lambda frames: np.array([0, frames - 1]))
     none = fig5.run_world(10_001, Options(), fig5.Settings())
@@ -225,6 +226,7 @@ def test_a_world_may_have_no_gaps(recorded, planted, monkeypatch):
     assert run_fig5().rows[0]["metres"] == pytest.approx(some["k2"][0][:, 0].mean())
 
 
+@pytest.mark.full
 def test_correlations_are_of_ranks(monkeypatch):
     rng = np.random.default_rng(0)
     metres, clearance = rng.integers(1, 9, size=(2, 50)).astype(float)

@@ -432,6 +432,7 @@ def test_a_blocked_path_can_be_driven_around_but_not_through(building):
         assert (steps < 2 * Person.radius + 0.34).all()  # narrower than a car between two of them
 
 
+@pytest.mark.full
 def test_a_path_without_a_detour_is_not_blocked(monkeypatch):
     corridor = Scene(make_box(14.0, 1.6))
     building = navigation_tasks.explored("corridor", corridor, np.random.default_rng(0), 2)
@@ -523,6 +524,7 @@ def test_the_bench_compares_the_index_with_all_queries(building, monkeypatch):
 
 
 @networks
+@pytest.mark.full
 def test_recall_counts_what_the_index_lacks_once_and_no_driven_edge(building, monkeypatch):
     trajectories = list(map_building.sparsified(part(building, 4)))
     settings = map_building.MapSettings()
@@ -540,6 +542,7 @@ def blind_unless_exhaustive(insertion, worth, back):
 
 
 @networks
+@pytest.mark.full
 def test_comparing_with_every_vertex_leaves_the_map_as_it_is(building):
     agent = agents.meng()
     trajectories = list(map_building.sparsified(building))

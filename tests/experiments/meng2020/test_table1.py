@@ -63,6 +63,7 @@ def test_every_controller_has_a_row_for_every_condition(report):
     assert "oracle - k5, clean" in report.as_text()
 
 
+@pytest.mark.full
 def test_all_conditions_share_their_starts_and_targets(course):
     clean = course["clean"].episodes
     for name in ("noise", "shifted"):
@@ -78,6 +79,7 @@ def test_all_conditions_share_their_starts_and_targets(course):
     )
 
 
+@pytest.mark.full
 def test_the_clean_course_alone_is_the_same(course):
     alone = local_control.clean_condition(WORLD, 12, seed=0).episodes
     assert (alone.starts == course["clean"].episodes.starts).all()
@@ -106,6 +108,7 @@ def test_the_same_seed_gives_the_same_outcome(course):
 
 
 @pytest.mark.parametrize("name", table1_ablations.ABLATIONS)
+@pytest.mark.few(1)
 def test_every_variant_can_be_driven(course, name):
     two = replace(course["clean"], episodes=course["clean"].episodes.subset(np.arange(2)))
     for recipe in table1_ablations.ABLATIONS[name].values():

@@ -683,6 +683,7 @@ def test_a_wrong_agent_is_reported_before_any_rollout(monkeypatch, own, capsys):
 
 
 @networks
+@pytest.mark.full
 def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
     settings = table2.Settings(places_on_map=3, trials_of_part=2)
     few = replace(table2.EXPERIMENT, quick_settings=settings)
@@ -724,6 +725,7 @@ def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
         pytest.param("continuous", 0.8, 0.95, marks=pytest.mark.full),
     ],
 )
+@pytest.mark.few(2)
 def test_maps_of_a_part_of_the_drives_have_its_thresholds(
     plan, monkeypatch, drives, p_edge, s_shortcut
 ):

@@ -43,6 +43,7 @@ one_world = cache(make_world)
 
 
 @pytest.mark.usefixtures("_made_up")
+@pytest.mark.full
 def test_table1_compares_within_a_sensor_and_over_worlds():
     rows, notes = table1.run(OPTIONS, table1.Settings(1, ("nts", "fbe"), ("nts", "il")))
     assert "SPL, nts (rgbd) - fbe (rgbd), plain, easy: +0.200 (+0.200 to +0.200)" in notes

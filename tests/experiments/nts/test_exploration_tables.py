@@ -28,6 +28,7 @@ def _alone(monkeypatch):
         monkeypatch.setattr(module, "for_each", in_turn)
 
 
+@pytest.mark.full
 def test_table1_has_a_row_for_each_agent_signs_and_difficulty():
     agents = ("nts", "fbe", "oracle")
     settings = table1.Settings(1, agents, (), geometry=True)

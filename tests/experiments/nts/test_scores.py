@@ -43,6 +43,7 @@ def perfect(monkeypatch):
     monkeypatch.setattr(scores, "check_shipped", lambda agents, sensor: None)
 
 
+@pytest.mark.full
 def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):
     found = choices(WORLD, 0, SMALL)
     assert set(np.unique(found.difficulty)) == {0, 1, 2}
@@ -65,6 +66,7 @@ def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):
     assert 0.8 * ((far >= 1.5) & (far < 10)).sum() <= len(found.difficulty)
 
 
+@pytest.mark.full
 def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
     monkeypatch.setattr(scores, "for_each", in_turn)
     monkeypatch.setattr(scores, "exploration_world", lambda seed, signs: WORLD)
@@ -83,6 +85,7 @@ def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
             assert row["gain_low"] <= row["gain"] <= row["gain_high"]
 
 
+@pytest.mark.full
 def test_f_s_is_judged_where_it_is_asked(perfect, monkeypatch):
     """Between places of one node it may be wrong: those decisions count only among all."""
     monkeypatch.setattr(scores, "for_each", in_turn)
@@ -104,6 +107,7 @@ def test_f_s_is_judged_where_it_is_asked(perfect, monkeypatch):
     assert found["unconnected"]["decisions"] == 2 * (easy & ~made.connected).sum() > 0
 
 
+@pytest.mark.full
 def test_the_blind_scores_are_compared_with_depth_only(perfect):
     found = choices(WORLD, 0, Settings(places=6, goals=3, sensors=("rgb", "rgbd")))
     without = {score for sensor, score in found.regret if sensor == "rgb"}
@@ -111,6 +115,7 @@ def test_the_blind_scores_are_compared_with_depth_only(perfect):
     assert set(scores.scores_of("rgbd")) == set(SCORES)
 
 
+@pytest.mark.full
 def test_only_decisions_between_two_directions_count(perfect, monkeypatch):
     """Where a direction must be free for 2.9 m, many places have a single one, or none."""
     monkeypatch.setattr(scores, "SHORTEST", 2.9)

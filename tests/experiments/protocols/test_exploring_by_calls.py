@@ -38,6 +38,7 @@ def robot_of(scene, episode, **options):
     return CalledRobot(task, TrueGeometry(task))
 
 
+@pytest.mark.full
 def test_the_loop_of_the_notebook_reaches_goals(scene, episodes):
     reached = 0
     for number in range(len(episodes)):

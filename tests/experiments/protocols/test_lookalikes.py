@@ -60,6 +60,7 @@ def test_an_office_of_no_twins_has_none():
     assert np.bincount(alike_rooms(plan)).max() == 1
 
 
+@pytest.mark.full
 def test_trials_start_in_twins_and_end_in_rooms_of_their_own():
     office = make_office(10_002, 0, twins=2, unique=1)
     assert office.twin.tolist() == [True, True, False]

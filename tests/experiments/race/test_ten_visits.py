@@ -37,6 +37,7 @@ def test_goals_are_as_far_apart_as_said_and_the_same_for_all():
         assert ((APART[0] - 0.5 < metres) & (metres < APART[1] + 0.5)).all()
 
 
+@pytest.mark.full
 def test_a_goal_behind_a_wall_was_not_passed():
     scene = scene_of(exploration_world(WORLD))
     paths = GridPaths(scene.clearance)

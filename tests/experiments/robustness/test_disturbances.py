@@ -35,6 +35,7 @@ def recorded():
     ("move", "gap", "angle"),
     [(pushed, moves.ASIDE, 0.0), (turned, 0.0, moves.TURNED)],
 )
+@pytest.mark.full
 def test_cars_are_moved_as_far_as_said_to_where_there_is_room(recorded, move, gap, angle):
     rng, moved = np.random.default_rng(1), 0
     for frame in range(0, len(recorded.poses), 40):

@@ -729,6 +729,7 @@ def test_the_old_waypoint_is_forgotten():
 
 
 @pytest.mark.parametrize("path", [[9], [-1], [], [0.5], [[0]]])
+@pytest.mark.few(2)
 def test_a_path_beyond_the_anchors_is_refused_and_changes_nothing(path):
     corridor, follower = make(starts=[0.0, 0.0])
     go(corridor, follower, 10)

@@ -150,6 +150,7 @@ def test_no_robot_goes_back_along_the_path(trial):
     assert (record.active >= record.visited).all()
 
 
+@pytest.mark.full
 def test_the_same_seed_makes_the_same_tracks(under_way):
     one, two, other = (Trial(under_way, seed).begin().go(10).tracks for seed in (0, 0, 1))
     assert np.array_equal(one, two)
@@ -159,6 +160,7 @@ def test_the_same_seed_makes_the_same_tracks(under_way):
 @pytest.mark.parametrize(
     "origin", [[90.0, -40.0, 2.0], pytest.param([0.0, 0.0, -3.0], marks=pytest.mark.full)]
 )
+@pytest.mark.full
 def test_only_motions_by_odometry_matter_and_not_where_it_began(under_way, origin):
     one, elsewhere = Trial(under_way).begin(), Trial(under_way).begin()
     elsewhere.simulation.odometry = np.tile(origin, (len(elsewhere.simulation), 1))

@@ -37,6 +37,7 @@ def keep_reading(path, number, until, counts):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing is forked there")
 @pytest.mark.parametrize("seconds", [3, pytest.param(60, marks=pytest.mark.full)])
+@pytest.mark.full
 def test_every_read_is_a_whole_map_whoever_saves_it(tmp_path, seconds):
     path = tmp_path / "flat.npz"
     save_map(path, grown(1))

@@ -160,6 +160,7 @@ def check_by_the_book(drawn, settings):
     cities(), st.sampled_from([0.85, 0.9, 0.95]), st.sampled_from([0.9, 0.95, 1.0]),
     st.integers(0, 3), st.sampled_from([0.5, 0.9, 1.0]),
 )  # fmt: skip
+@pytest.mark.full
 def test_a_map_grows_by_the_book(drawn, p_edge, p_reuse, sequence, p_between):
     check_by_the_book(
         drawn, MapSettings(p_edge, p_reuse, sequence, p_outdated=0.0, p_between=p_between)

@@ -58,6 +58,7 @@ def test_a_plain_plan_is_pale_and_grey_and_leaves_the_plan_as_it_is():
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.few(2)
 def test_every_room_of_a_plan_shows_its_tint(family):
     scene = Scene(generate(family, 81))
     view, grid = PlanView(scene), scene.clearance
