@@ -7,6 +7,7 @@ import io
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
@@ -19,7 +20,9 @@ with suppress(ImportError):
 SECONDS = 6.0
 """Of the processor's time that a check may take; every check needs about one."""
 WAITING = 9.0
-"""Seconds by the clock: a function that sleeps takes none of the processor's time."""
+"""Seconds by the clock, for a function that sleeps and takes none of the processor's time."""
+RESTING = 0.1
+"""Share of the processor's time below which it sleeps; on a crowded machine it gets more."""
 MEMORY = 1.5e9
 """Bytes that a check may take."""
 COMPILERS = ("llvmlite", "numba")
@@ -59,11 +62,11 @@ def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
     called = student if hasattr(student, "__code__") else vars(type(student)).get("__call__")
     code = getattr(called, "__code__", None)
     file = str(student) if isinstance(student, Path) else getattr(code, "co_filename", None)
-    rung = False
+    rung, rests = False, _rests()
 
     def ring(number: int, frame: FrameType | None) -> None:
         nonlocal rung
-        if _compiles(frame):
+        if _compiles(frame) or (number == signal.SIGALRM and not (rung or rests())):
             return
         if rung:  # the function caught the first error: now its next line raises one
             own = list(_frames_of(file, frame))
@@ -97,6 +100,25 @@ def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
         sys.settrace(tracing)
 
 
+def _rests() -> Callable[[], bool]:
+    """A function that says whether the process has rested since it was asked, a second ago or more.
+
+    A check on a crowded machine takes long by the clock as well, and is not to be ended for that.
+    """
+    clock, used = time.monotonic(), time.process_time()
+
+    def rests() -> bool:
+        nonlocal clock, used
+        now, spent = time.monotonic(), time.process_time()
+        if now - clock < min(1.0, WAITING):
+            return False
+        resting = spent - used < RESTING * (now - clock)
+        clock, used = now, spent
+        return resting
+
+    return rests
+
+
 def _compiles(frame: FrameType | None) -> bool:
     """Whether a kernel is compiled or loaded just now: stopped half-way it would end Python."""
     while frame is not None:
@@ -121,9 +143,11 @@ def _watchdog() -> Iterator[None]:
     error = ctypes.py_object(TimeUp)
 
     def watch() -> None:
-        wait = WAITING
+        begun, rests, wait, over = time.process_time(), _rests(), WAITING, False
         while not done.wait(wait):
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(here, error)
+            over = over or time.process_time() - begun > SECONDS or rests()
+            if over:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(here, error)
             wait = _AGAIN
 
     threading.Thread(target=watch, daemon=True).start()
