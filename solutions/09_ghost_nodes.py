@@ -430,7 +430,7 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps every other direction that's free for a metre on a **reserve list**, an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has none; section 9 shows what that costs.
+# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps every other direction that's free for a metre on a [[reserve list]], an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has none; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
@@ -868,7 +868,7 @@ show(stacked([picture], ["Your loop's graph; the arrow is the start"]))
 #
 # ## 7 · What does the score know?
 #
-# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours hasn't: accents on the walls. Their hue changes from one end to the other, as in a hospital. We call such buildings **wayfinding**, and those without accents **plain**.
+# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours hasn't: accents on the walls. Their hue changes from one end to the other, as in a hospital. We call such buildings [[wayfinding]], and those without accents [[plain]].
 
 # %% hidden=true
 # The same flat with and without accents

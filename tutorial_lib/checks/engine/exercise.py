@@ -67,7 +67,7 @@ def exercise(
         there = beside(run)
         comparing.setdefault("invoke", lambda what, student, *given: there(student, *given))
 
-    def judge(student: Function) -> Any:  # noqa: ANN401 - target and yours, if drawn
+    def judge(student: Function) -> Any:  # noqa: ANN401 - expected and yours, if drawn
         picture = None
         with np.errstate(all="ignore"):
             for group in cases() if callable(cases) else [cases]:

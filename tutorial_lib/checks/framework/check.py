@@ -34,7 +34,7 @@ class WrongAnswer(Exception):  # noqa: N818 - it is an answer, not an error of o
     """Raised by a check: what is wrong, in the student's terms.
 
     Attributes:
-        picture: (H, W, 3) target and yours, or None.
+        picture: (H, W, 3) expected and yours, or None.
     """
 
     def __init__(self, message: str, picture: NDArray[np.uint8] | None = None) -> None:
@@ -65,7 +65,7 @@ class Result:
         )
         if self.picture is not None:
             data = b64encode(cv2.imencode(".png", self.picture[..., ::-1])[1].tobytes()).decode()
-            page += f'<br><img alt="target and yours" src="data:image/png;base64,{data}">'
+            page += f'<br><img alt="expected and yours" src="data:image/png;base64,{data}">'
         return page + "</div>"
 
 
@@ -197,7 +197,7 @@ def check(
     """Make a check of a judging function.
 
     The judge takes the student's function, raises `WrongAnswer` where it finds something wrong, and
-    may return a picture of target and yours.
+    may return a picture of what is expected and yours.
 
     Args:
         reference: what is used below when the student's function is not.

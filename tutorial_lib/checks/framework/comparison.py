@@ -70,7 +70,7 @@ def compare(
         draw: (want, got) draws the answers to the first case.
 
     Returns:
-        Target and yours, if drawn.
+        What is expected and yours, if drawn.
 
     Raises:
         WrongAnswer: for the first case with a wrong answer.
@@ -189,7 +189,7 @@ def expect(
         mistakes: for known mistakes, what to say and the answer that they give.
         same: tells whether two answers are equally good.
         difference: says what is wrong when no known mistake gives this answer.
-        picture: target and yours.
+        picture: what is expected and yours.
 
     Raises:
         WrongAnswer: with the most helpful message.

@@ -65,10 +65,10 @@ def judge_topics(
         invoke: (what, student, *case) calls the student's function.
         same: (got, want, *case) tells whether two answers are equally good.
         difference: (got, want, *case) says where they differ.
-        draw: (student) gives target and yours.
+        draw: (student) gives what is expected and yours.
 
     Returns:
-        Target and yours, if drawn.
+        What is expected and yours, if drawn.
 
     Raises:
         WrongAnswer: for the first case with a wrong answer.
@@ -212,7 +212,7 @@ def _equal(first: Any, second: Any) -> bool:  # noqa: ANN401 - arguments and ans
 
 
 def _picture(draw: Function, student: Function) -> NDArray[np.uint8] | None:
-    """Target and yours; None where the student's answers cannot be drawn."""
+    """What is expected and yours; None where the student's answers cannot be drawn."""
     with suppress(Exception):
         return draw(student)
     return None

@@ -48,7 +48,7 @@ class Mark:
         status: "passed", "failed", "not attempted" or "not handed in".
         message: what the check says; no control characters but line ends.
         printed: by the answer, likewise.
-        picture: target and yours, or None.
+        picture: what is expected and yours, or None.
     """
 
     exercise: str

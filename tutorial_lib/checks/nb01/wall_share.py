@@ -176,15 +176,15 @@ def _difference(got: Array, want: Array, depth: float, rows: int) -> str:
 
 
 def _picture(student: Callable[..., Array]) -> NDArray[np.uint8]:
-    """Target and yours, one column of pixels for each depth, with their names."""
+    """What is expected and yours, one column of pixels for each depth, with their names."""
     blocks = []
-    for name, function in (("target", wall_share), ("yours", student)):
+    for name, function in (("expected", wall_share), ("yours", student)):
         shares = [_form(name, function(depth, _ROWS), depth, _ROWS) for depth in _DEPTHS]
         grey = np.nan_to_num(np.clip(np.stack(shares, axis=1), 0, 1))
         pixels = (235 - 175 * grey).astype(np.uint8)
         block = pixels.repeat(12, axis=0).repeat(32, axis=1)
         blocks.append(block[..., None].repeat(3, axis=2))
-    return side_by_side(blocks, ["target", "yours"])
+    return side_by_side(blocks, ["expected", "yours"])
 
 
 check_wall_share = exercise(

@@ -1,4 +1,4 @@
-"""Waypoint labels from above, target and yours beside each other."""
+"""Waypoint labels from above, expected and yours, beside each other."""
 
 import cv2
 import numpy as np
@@ -14,7 +14,7 @@ def labels_from_above(
 ) -> NDArray[np.uint8]:
     """Wall, trajectory, start and both labels, in the frame of the start."""
     blocks = []
-    for name, label in (("target", want), ("yours", got)):
+    for name, label in (("expected", want), ("yours", got)):
         block = np.full((300, 330, 3), 255, np.uint8)
 
         def at(point: Array) -> tuple[int, int]:

@@ -207,7 +207,7 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
         return round(302 + 11 * time)
 
     write("green: within 0.30 m    orange: touches    bar: t_max", 4, 18, colour=colours.SOLID)
-    write("target  yours", 646, 18, colour=colours.SOLID)
+    write("expected  yours", 628, 18, colour=colours.SOLID)
     for row, (story, limit) in enumerate(zip(STORIES, time_limit(geodesic), strict=True)):
         y = 44 + 26 * row
         write(story[0], 4, y + 5)

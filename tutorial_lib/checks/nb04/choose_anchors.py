@@ -171,7 +171,7 @@ def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshol
 
 def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
     tables = [reach_table(BY_HAND, 0.9, chosen.tolist()) for chosen in (want, got)]
-    return side_by_side(tables, ["target", "yours"], gap=30)
+    return side_by_side(tables, ["expected", "yours"], gap=30)
 
 
 _HINTS: dict[type[Exception], str] = {

@@ -146,7 +146,7 @@ def _drawn(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
     anchors, total, _ = next(iter(CASES.values()))
     shown = [frame for frame in got.tolist() if 0 <= frame < total]
     rows = [frames_kept(total, frames, anchors.tolist()) for frames in (want.tolist(), shown)]
-    return stacked(rows, ["target", "yours"], gap=4)
+    return stacked(rows, ["expected", "yours"], gap=4)
 
 
 check_frames_to_keep = exercise(

@@ -155,7 +155,7 @@ def _pairs(what: str, got: object, reach: Array, *_: object) -> NDArray[np.bool_
 
 def _tables(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
     tables = [edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (want, got)]
-    return side_by_side(tables, ["target", "yours"], gap=30)
+    return side_by_side(tables, ["expected", "yours"], gap=30)
 
 
 check_ask_next = exercise(

@@ -165,7 +165,7 @@ def _why(got: Array, want: Array, reach: Array, driven: NDArray[np.bool_], p_edg
 
 def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
     tables = [edge_table(w, np.isfinite(w), DRIVEN, blank=True) for w in (want, got)]
-    return side_by_side(tables, ["target", "yours"], gap=30)
+    return side_by_side(tables, ["expected", "yours"], gap=30)
 
 
 check_edge_weights = exercise(

@@ -178,7 +178,7 @@ def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
 def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
     reach = CASES["one trajectory beside another"][0]
     tables = [edge_table(least, least > 0.5, names=("a", "v")) for least in (reach, want, got)]
-    return side_by_side(tables, ["RE", "target", "yours"], gap=24)
+    return side_by_side(tables, ["RE", "expected", "yours"], gap=24)
 
 
 check_weakest_aligned = exercise(

@@ -235,7 +235,7 @@ def _graph(path: tuple[Vertex, ...]) -> NDArray[np.uint8]:
 
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:
     pictures = [_graph(tuple(path)) for path, _ in (want, got)]
-    return side_by_side(pictures, ["target", "yours"], height=200)
+    return side_by_side(pictures, ["expected", "yours"], height=200)
 
 
 def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Any:  # noqa: ANN401

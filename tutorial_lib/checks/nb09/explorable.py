@@ -116,7 +116,7 @@ take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded d
 def _draw(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
     free, radius = next(iter(CASES.values()))
     pictures = [map_picture(free, chosen, radius / CELL) for chosen in (want, got)]
-    return side_by_side(pictures, ["target", "yours"])
+    return side_by_side(pictures, ["expected", "yours"])
 
 
 def _why(

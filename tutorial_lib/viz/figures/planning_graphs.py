@@ -54,7 +54,7 @@ def graph_picture(
     for source, edges in graph.items():
         for target, probability in edges.items():
             both = source in graph.get(target, {})
-            colour = colours.unit(colours.LASER if (source, target) in taken else colours.FAINT)
+            colour = colours.unit(colours.PATH if (source, target) in taken else colours.FAINT)
             arrow = FancyArrowPatch(
                 places[source],
                 places[target],
@@ -73,8 +73,10 @@ def graph_picture(
     for vertex, (x, y) in places.items():
         if vertex in graph:
             on = vertex in path
-            box = {"boxstyle": "round,pad=0.35", "color": colours.unit(_tone(vertex, on))}
-            axis.text(x, y, str(vertex), **_words(12), color="white", bbox=box)
+            tone = _tone(vertex, on)
+            box = {"boxstyle": "round,pad=0.35", "color": colours.unit(tone)}
+            ink = colours.INK if tone == colours.PATH else colours.PAPER
+            axis.text(x, y, str(vertex), **_words(12), color=colours.unit(ink), bbox=box)
     return from_figure(figure)
 
 
@@ -91,7 +93,7 @@ def _beside(
 def _tone(vertex: object, on: bool) -> tuple[int, int, int]:
     if vertex in ("here", "goal"):
         return colours.ROBOT if vertex == "here" else colours.GOAL
-    return colours.LASER if on else colours.SOLID
+    return colours.PATH if on else colours.SOLID
 
 
 def _words(size: int) -> dict[str, Any]:
