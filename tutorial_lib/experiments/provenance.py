@@ -7,12 +7,13 @@ rows of a few episodes. Where the code has changed since, the canary tells wheth
 from __future__ import annotations
 
 import json
-import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
 from multiprocessing import get_context
 from typing import Any
+
+from joblib import parallel_config
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.fingerprint import code_of
@@ -86,9 +87,9 @@ def made_from(name: str, options: Options) -> dict[str, Any]:
 
 
 def _made_from_here(name: str, options: Options) -> dict[str, Any]:
-    os.environ["LOKY_MAX_CPU_COUNT"] = "1"  # so that all runs here, where networks are counted
     LOADED.clear()
-    rows = finite(EXPERIMENTS[name].canary_rows(options))
+    with parallel_config(backend="sequential"):  # so that all runs here, where networks are counted
+        rows = finite(EXPERIMENTS[name].canary_rows(options))
     run = EXPERIMENTS[name].named(options.ablation).run
     module = getattr(run, "func", run).__module__  # of a partial, too
     return {
