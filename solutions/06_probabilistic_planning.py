@@ -805,7 +805,7 @@ display(carried)
 # Cut edges, each time the surest on the best path. Amber is the best path of all, green is the best one left, vermilion was cut. Watch where the path jumps to another side of the building.
 
 # %% hidden=true
-# A building with a corridor all round, and the best path with some edges cut (about 10 s)
+# A corridor all round, and the best path with some edges cut (about 10 s)
 SHOWN = 12
 loop_building = make_building(10_007, 0, count=5)
 shown = np.sort(np.random.default_rng(0).permutation(len(loop_building.pairs))[:SHOWN])

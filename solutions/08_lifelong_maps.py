@@ -224,7 +224,7 @@ display(refused)
 #
 # Two photos one metre apart, facing the same way. Two photos from one spot, a quarter turn apart. For a car the second pair is farther, so the distance must count the turn. Hold the car's velocity and turning rate constant, and exactly one *motion* gets there in a second. Its length is
 #
-# $$ d(w) = \lVert \log T(w) \rVert_F = \sqrt{\ell^2 + 2\, d\theta^2}, \qquad \ell = \frac{c}{\operatorname{sinc}(d\theta/2)}, \quad c = \sqrt{dx^2 + dy^2}, \quad \operatorname{sinc}(x) = \frac{\sin x}{x} . $$
+# $$ \begin{gathered} d(w) = \lVert \log T(w) \rVert_F = \sqrt{\ell^2 + 2\, d\theta^2}, \qquad \ell = \frac{c}{\operatorname{sinc}(d\theta/2)}, \\ c = \sqrt{dx^2 + dy^2}, \qquad \operatorname{sinc}(x) = \frac{\sin x}{x} . \end{gathered} $$
 #
 # $\ell$ is the length of the arc, and $c$ its chord.
 #

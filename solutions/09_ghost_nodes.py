@@ -882,8 +882,8 @@ show(side_by_side([both, stacked(images, ["the hallway, plain", "wayfinding"])],
 # How would you find out what a score knows? Not by comparing it with chance: without ever looking at the goal, a network can learn that hallways lead on and closets don't. So train a second one **blind**, without the goal's panorama, and let both choose a direction at the same places. Only the difference is knowledge of the goal. A choice is right if its path is at most half a metre longer than the best one. *Easy* goals are 1.5 to 3 m away, *medium* ones 3 to 5 m, *hard* ones 5 to 10 m.
 
 # %% hidden=true
-# Both networks on the same decisions in twenty test worlds, where the goal is in another node:
-# elsewhere the robot asks F_R, and not F_S
+# Both networks on the same decisions in twenty test worlds
+# The goal is in another node: in the same one the robot asks F_R, and not F_S
 LEVELS = ("easy", "medium", "hard")
 chosen_right = {
     (row["signs"], row["difficulty"], row["score"]): row
@@ -1228,7 +1228,7 @@ display(together)
 # Elsewhere, the planner refuses, and both together do what the explorer does alone; the [page of results](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch it in your friend's flat.
 
 # %% hidden=true
-# A first visit with six goals; then goals that it passed, and one that it did not (about 5 s)
+# A first visit with six goals; then passed ones, and one that was not (about 5 s)
 rng = np.random.default_rng(6)
 first = draw_episodes(flat_name, flat, {"medium": 1}, rng)
 visited = ExplorationTask({flat_name: flat}, first, rng)
