@@ -81,7 +81,7 @@ MUTATIONS = [
     ),
     (
         "vertices that are no whole numbers pass, and the cells below stop",
-        "checks/nb07/track_answers.py",
+        "checks/nb07/track.py",
         "isinstance(vertex, bool) or not isinstance(vertex, int | np.integer)",
         "False",
         "checks/test_nb07.py",

@@ -1,13 +1,128 @@
 """Where a training loop first departs from the rules, in the student's terms."""
 
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
 import numpy as np
 
+from tutorial_lib.checks.engine import mistakes_of
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb02.training_arrays import close_arrays
-from tutorial_lib.checks.nb02.training_history import history_mistake
-from tutorial_lib.checks.nb02.training_rates import rate_mistake
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.small_training import TrainingPlan
 from tutorial_lib.learning.training_probe import Trace
+
+
+def history_mistake(got: Trace, want: Trace) -> str | None:
+    """Whether the history says what was measured."""
+    words = "return the history, a list with (step, training loss, validation loss) for each"
+    if got.history is None:
+        return f"nothing came back; {words} evaluation"
+    if not isinstance(got.history, list | tuple) or len(got.history) != len(want.history):
+        count = f" of {len(got.history)}" if isinstance(got.history, list | tuple) else ""
+        return (
+            f"{kind(got.history)}{count} came back; {words} of the {len(want.history)} evaluations"
+        )
+    rows = list(_rows(got.history))
+    if any(isinstance(row, str) for row in rows):
+        return next(row for row in rows if isinstance(row, str))
+    mine, right = np.array(rows), np.array(want.history)
+    if close_arrays(mine, right):
+        return None
+    if close_arrays(mine[:, [0, 2, 1]], right):
+        return "in the history the training loss comes before the validation loss"
+    if not close_arrays(mine[:, 0], right[:, 0]):
+        counted = (
+            "count the steps made, from 1" if close_arrays(mine[:, 0] + 1, right[:, 0]) else "see"
+        )
+        return f"the history's steps are {mine[:, 0]}, but {right[:, 0]} is right; {counted}"
+    if not close_arrays(mine[:, 2], right[:, 2]):
+        return "the history's last number is what validate(network) returned"
+    words = _training_loss(mine[:, 1], right[:, 1], right[:, 0])
+    return f"{words}: {mine[:, 1].round(3)} came back, but {right[:, 1].round(3)} is right"
+
+
+def _training_loss(mine: Array, right: Array, steps: Array) -> str:
+    """What is wrong with the training losses of a history."""
+    counts = np.diff(steps, prepend=0)
+    if close_arrays(mine, right * counts):
+        return "the training loss is the mean since the last evaluation, not the sum"
+    if close_arrays(mine, np.cumsum(right * counts) / steps):
+        return "the training loss is the mean since the last evaluation; empty the list after it"
+    return "the training loss is the mean of all losses since the last evaluation"
+
+
+def _rows(history: Sequence[Any]) -> Iterator[list[float] | str]:
+    """The entries of a history as numbers, or what is wrong with one."""
+    three = "the history's entries are three numbers: step, training loss, validation loss"
+    for entry in history:
+        values = list(entry) if isinstance(entry, tuple | list | np.ndarray) else []
+        if any(getattr(value, "requires_grad", False) for value in values):
+            yield "the history holds a tensor with its gradients; keep the number, loss.item()"
+        elif len(values) != 3 or not all(
+            np.isscalar(value) or hasattr(value, "item") for value in values
+        ):
+            yield three
+        else:
+            try:
+                yield [float(value) for value in values]
+            except (TypeError, ValueError):
+                yield three
+
+
+def _rate(step: int, plan: TrainingPlan) -> float:
+    """The share of the highest learning rate: a warm-up, and half a cosine."""
+    warmup = min(1.0, (step + 1) / plan.warmup_steps)
+    return warmup * 0.5 * (1 + math.cos(math.pi * step / plan.max_steps))
+
+
+MISTAKES = """
+the learning rate never changes: set group['lr'] of every group before the step
+    return -> return 1.0; return
+the learning rate lacks the warm-up: min(1, (step + 1) / warmup_steps)
+    return warmup * -> return
+the learning rate does not decay: the half cosine is missing
+    return warmup * -> return warmup; return
+the warm-up is one step late: (step + 1) / warmup_steps; step 0 must learn, too
+    (step + 1) -> step
+the warm-up goes on beyond 1: min(1, (step + 1) / warmup_steps)
+    min(1.0, (step + 1) / plan.warmup_steps) -> (step + 1) / plan.warmup_steps
+the cosine is one step early: it takes step / max_steps, and begins with 1
+    math.pi * step -> math.pi * (step + 1)
+the cosine begins at step 0, not after the warm-up: step / max_steps
+    * step / plan.max_steps -> * max(0, step - plan.warmup_steps) / after
+    warmup = -> after = max(1, plan.max_steps - plan.warmup_steps); warmup =
+the decay is half a cosine, from 1 to 0; a straight line came out
+    0.5 * (1 + math.cos(math.pi * step / plan.max_steps)) -> (1 - step / plan.max_steps)
+the decay is (1 + cos) / 2; the plain cosine falls to -1
+    0.5 * (1 + math.cos -> (math.cos
+np.cos takes radians: pi, not 180
+    math.pi -> 180
+the decay is (1 + cos) / 2; the half is missing
+    0.5 * -> 1 *
+the rate is set after the step, so that every step uses that of the step before it
+    warmup = -> step, first = step - 1, step == 0; warmup =
+    return warmup * -> return 1.0 if first else warmup *
+"""
+_RATES = mistakes_of(_rate, MISTAKES)
+
+
+def rate_mistake(got: Trace, plan: TrainingPlan) -> str | None:
+    """Whether every update has its learning rate."""
+    steps = range(len(got.rates))
+    right = [plan.learning_rate * _rate(step, plan) for step in steps]
+    if close_arrays(got.rates, right):
+        return None
+    for words, rate in _RATES.items():
+        if close_arrays(got.rates, [plan.learning_rate * rate(step, plan) for step in steps]):
+            return words
+    if close_arrays(np.array(got.rates) * plan.learning_rate, right):
+        return "multiply by plan.learning_rate, the highest rate"
+    step = int(np.argmax(np.abs(np.array(got.rates) - right) > 1e-7))
+    return (
+        f"the learning rate of step {step} is {got.rates[step]:.4g}, but {right[step]:.4g} is right"
+    )
 
 
 def mistake(got: Trace, want: Trace, plan: TrainingPlan, gradients: Array) -> str | None:
