@@ -112,6 +112,8 @@ def test_options_that_do_not_count_are_refused_by_name(tmp_path, capsys):
     for arguments, words in {
         "--map x.yaml --family maze": "--family: the demo cannot use it beside --map",
         "--explore --learn": "--learn: the demo cannot use it with --explore",
+        "--life --agent mine.py:Planner": "--agent: the demo cannot use it with --life",
+        "--agent mine.py:Planner": "--agent mine.py:Planner: there is no file mine.py",
         "--start 1,2": "--start 1,2: give x,y,heading in metres and radians",
         "--start=": "--start : give x,y,heading in metres and radians, or a room",
         "--goal ballroom": "--goal: no room is called 'ballroom'; there are hallway",
@@ -122,6 +124,42 @@ def test_options_that_do_not_count_are_refused_by_name(tmp_path, capsys):
         assert main(["demo", *arguments.split()]) == 2
         assert words in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+OWN = """from tutorial_lib.topology import DijkstraPlanner
+
+class Whole:
+    def __init__(self):
+        self.learn = self.start = None
+
+class Planner(DijkstraPlanner):
+    def plan(self, *arguments):
+        print("mine plans")
+        return super().plan(*arguments)
+
+class Faulty:
+    def plan(self, *arguments):
+        return 1 / 0
+"""
+
+
+def test_a_whole_agent_is_not_filmed(tmp_path, capsys):
+    (tmp_path / "mine.py").write_text(OWN)
+    assert main(["demo", "--agent", "mine.py:Whole"]) == 2
+    assert "mine.py:Whole: a whole agent, whose plans the film cannot" in capsys.readouterr().err
+
+
+@pytest.mark.full
+def test_a_planner_of_ones_own_is_filmed_on_the_usual_task(tmp_path, capsys):
+    (tmp_path / "mine.py").write_text(OWN)
+    assert main(["demo"]) == 0
+    usual = json.loads((tmp_path / "demo.json").read_text())
+    assert main(["demo", "--agent", "mine.py:Planner"]) == 0
+    assert "mine plans" in capsys.readouterr().out
+    assert json.loads((tmp_path / "demo.json").read_text()) == usual
+    assert main(["demo", "--agent", "mine.py:Faulty"]) == 2
+    assert "--agent mine.py:Faulty: mine.py, line 14: ZeroDivisionError" in capsys.readouterr().err
+    assert json.loads((tmp_path / "demo.json").read_text()) == usual
 
 
 def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):

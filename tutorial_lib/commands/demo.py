@@ -25,7 +25,7 @@ EXPLORED = 2
 """Seed of the usual exploration: from a bedroom over a corridor into the living room, past several
 ghosts of which it chooses some; with seed 0 it would be one straight corridor."""
 LIFELONG_REFUSES = (
-    *("map", "region", "family", "seed", "start", "goal", "oracle", "learn", "explore"),
+    *("map", "region", "family", "seed", "start", "goal", "oracle", "learn", "agent", "explore"),
 )
 """Options that do not count beside `--lifelong` and `--life`, whose building is always the same."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
@@ -49,6 +49,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--learn", action="store_true", help="learn the map again, and keep it for later demos"
+    )
+    parser.add_argument(
+        "--agent",
+        metavar="FILE.py:CLASS",
+        help="a component of your own, as a planner, in the place of the library's: how it does on "
+        "the same task",
     )
     parser.add_argument(
         "--explore",
@@ -128,7 +134,7 @@ def _visit(options: argparse.Namespace) -> bool:
 
 def _explore(options: argparse.Namespace) -> bool:
     """Explore; whether the goal was found."""
-    _refuse(options, "explore", ("oracle", "learn"))
+    _refuse(options, "explore", ("oracle", "learn", "agent"))
     seed = EXPLORED if options.seed is None else options.seed
     with Narrator() as say:
         say("importing the library")
@@ -168,6 +174,7 @@ def _navigate(options: argparse.Namespace) -> bool:
             name=name,
             oracle=options.oracle,
             learn=options.learn,
+            own=options.agent or "",
             say=say,
         )
     drives = [("by sight", outcome), *([("oracle", outcome.oracle)] if outcome.oracle else [])]

@@ -38,11 +38,15 @@ def load_learned(
 ) -> tuple[TopoMap, Path] | None:
     """The map that this agent learned of this building, and its file; None if none was kept.
 
+    None is kept of a reachability estimator of the user's own: nothing tells what it depends on.
+
     Args:
         building: with the drives that are learned.
         agent: with its networks and settings.
         folders: to look in; the user's cache and `SHIPPED` unless given.
     """
+    if not isinstance(getattr(agent.reachability, "network", None), LocalNetwork):
+        return None
     for folder in folders or (learned_maps(), SHIPPED):
         file = folder / _name(building, agent)
         try:

@@ -6,13 +6,17 @@ import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.forecast import DrivesForecast
@@ -68,6 +72,7 @@ def run_demo(
     goal: End | None = None,
     oracle: bool = False,
     learn: bool = False,
+    own: str = "",
     say: Say = silent,
 ) -> Outcome:
     """Navigate to an image some rooms away; leave demo.webm, demo.png and demo.json.
@@ -81,27 +86,45 @@ def run_demo(
         goal: that was asked for.
         oracle: drive the same task by an oracle, too, and show both beside each other.
         learn: learn the map even if one was kept, and keep it for later demos.
+        own: "FILE.py:CLASS", a component in the place of the agent's; the task is the same.
         say: is called with what is being done.
 
     Raises:
         InputError: when the plan is too small for `PLACES` places, or a start or goal cannot be
-            had.
+            had; naming the line, when the component fails.
     """
     check_folder(folder)
-    agent = agents.meng()
+    usual = agents.meng()
+    agent = _with_own(own) if own else usual
     asked = {"name": name, "start": start, "goal": goal}
-    task = choose_task(Scene(plan), seed, PLACES, agent, say, **asked)
-    file = learn_map(agent, task.building, say, recorded=task.recorded, again=learn)
+    task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
+    call = partial(guarded, own) if own else _call
+    file = call(partial(learn_map, recorded=task.recorded, again=learn), agent, task.building, say)
     beside = drive_oracle(task, say) if oracle else None
     # Together, so that figures are always those of the film beside them.
     with atomic_paths(*(folder / name for name in (FILM, STRIP, FIGURES))) as (film, *others):
         with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            shown, outcome = drive_by_sight(task, agent, seed, say, beside, write, file)
+            shown, outcome = call(drive_by_sight, task, agent, seed, say, beside, write, file)
             say("writing the film")
         strip = [shown[i] for i in evenly(len(shown), 3)]
         others[0].write_bytes(exact_png(stacked(strip)))
         others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
     return outcome
+
+
+def _with_own(where: str) -> MengAgent:
+    """The usual agent with a component of the user's own."""
+    agent = agents.custom(where)
+    if not isinstance(agent, MengAgent):
+        raise InputError(
+            f"--agent {where}: a whole agent, whose plans the film cannot show; give one of its "
+            "components, as a planner"
+        )
+    return agent
+
+
+def _call(run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+    return run(*arguments)
 
 
 def navigate_once(
