@@ -1083,7 +1083,7 @@ def ask_next(reach, before, after, p_edge):
 ask_next = check_ask_next.use(ask_next)
 
 # %% [markdown]
-# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find how many sure pairs.
+# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find most sure pairs.
 
 
 # %% hidden=true
