@@ -1083,7 +1083,7 @@ def ask_next(reach, before, after, p_edge):
 ask_next = check_ask_next.use(ask_next)
 
 # %% [markdown]
-# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find most sure pairs.
+# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find nearly every sure pair.
 
 
 # %% hidden=true
@@ -1303,7 +1303,7 @@ for p_outdated in (0.0, 0.1):
     print("    the first drive is now  " + " ".join(map(str, aged.paths[0])))
 
 # %% [markdown]
-# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting the old one goes, and no plan leads through it any more. And only a robot that *passes* may say that something's gone: an RE that says 0 for everything out of sight would empty the map.
+# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone: an RE that says 0 for everything out of sight would empty the map.
 #
 # <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
 # If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If little, the vertex does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why 0.1 is strict.
