@@ -181,7 +181,7 @@ trip = Prediction(
     {"A": "at 2, for d", "B": "at 3, for e", "C": "at 3, for d"},
     right="B",
     robot=f"it compares every photo of one strip with every photo of the other. RE from 3 to e "
-    f"is {between('3', 'e'):.2f}; from 3 to d it's {between('3', 'd'):.2f}, and from 2 to d "
+    f"is {between('3', 'e'):.3f}; from 3 to d it's {between('3', 'd'):.2f}, and from 2 to d "
     f"{between('2', 'd'):.2f}.",
     tempting="C",
     because="on the plan d is just outside the door. But at 3 the robot looks up the corridor, and "
@@ -299,7 +299,7 @@ display(pencil)
 # %% [markdown]
 # ## 2 · Twelve drives
 #
-# That was Monday. By Friday your robot has twelve drives, from each of the four places to each other one. Notebook 04 chose their anchors, with $k = 5$ and $p_\text{sparsify} = 0.99$. Now RE answers for **every** pair of anchors, once. That takes about 12 s, and section 7 shows why a large map mustn't do it. The poses are for *our* figures; the map never gets them.
+# That was Monday. By Friday your robot has twelve drives, from each of the four places to each other one. Notebook 04 chose their anchors, with $k = 5$ and $p_\text{sparsify} = 0.99$. Now RE answers for **every** pair of anchors, once. That takes a few seconds, and section 7 shows why a large map mustn't do it. The poses are for *our* figures; the map never gets them.
 
 # %% hidden=true
 # All twelve drives, their anchors, and RE between all of them
@@ -345,8 +345,9 @@ one_way = Prediction(
     "below 0.5 in reverse?",
     {"A": "this one and few others", "B": "about one in eight", "C": "more than half"},
     right="B",
-    robot=f"it finds {(back < 0.5).sum()}; {(back > 0.99).sum()} are above 0.99 in reverse, too. For "
-    "a car that can't turn on the spot, one-way streets are everywhere.",
+    robot=f"it finds {(back < 0.5).sum()}; {(back > 0.99).sum()} are above 0.99 in reverse, too: "
+    "mostly twins from two drives, a few decimetres apart at most. For a car that can't turn on the "
+    "spot, one-way streets are everywhere.",
     tempting="A",
     because="the two are so close. But the green one looks onward, and what lies behind a car "
     "isn't in its photo.",
@@ -499,7 +500,7 @@ ahead_of = check_ahead_of.use(ahead_of)
 #
 # `own` holds the anchors of the new trajectory, in order. Four steps:
 #
-# 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the vertex that stands on the new path for the anchor before: if that anchor was replaced, the robot stands on its replacement. *Onward* is RE to the anchor after, `own[i + 1]`, whatever becomes of it. For the first and the last anchor take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
+# 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the last vertex of the path so far: if the previous anchor was replaced, the robot stands on its replacement. *Onward* is RE to the next anchor, `own[i + 1]`, whatever becomes of it. For the first and the last anchor take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
 # 2. **Add** each anchor that stays as a vertex, with its `trajectory` (the number of paths until now), its `place` (its index along `own`), and the vertices `before` and `after` it on the new path.
 # 3. **Join.** Each new vertex with every other vertex, old or new, in both directions: `edge_reach` is what `scores` has for the pair. Until section 5 `scores` is `reach`.
 # 4. **Follow.** Each step from vertex to vertex of the new path is `driven`, and its `edge_reach` is at least the `reach` of the step. Append the path to `paths`.
@@ -606,7 +607,7 @@ twins = Prediction(
     {"A": "every second one", "B": "the first ones", "C": "the last ones"},
     right="B",
     robot=f"it drops {sum(replaced)} of {len(second)}, all before the fork. The last ones before it "
-    f"stay, since the anchor after lies beyond. {titles[0]} become {titles[1]}.",
+    f"stay, since the next anchor lies beyond. {titles[0]} become {titles[1]}.",
     tempting="A",
     because="notebook 04 thinned drives out. But here an anchor goes because another drive's "
     "image does its job, and beyond the fork there's none.",
@@ -654,12 +655,12 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# Where the drives part, the anchor after is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. A lower threshold ends it later, and the map trusts longer jumps. Near 1 even twins are refused, since RE never returns 1.
+# Where the drives part, the next anchor is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. A lower threshold ends it later, and the map trusts longer jumps. Near 1 even twins are refused, since RE never quite says 1.
 # </details>
 #
 # ### Find the bug
 #
-# A colleague has her own `insert`. Nothing crashes, and all her paths can be driven. Only: "Reuse doesn't help much." Here's the part that differs. What's wrong?
+# A colleague has her own `insert`. Nothing crashes, and all her paths can be driven. But she says: "Reuse doesn't help much." Here's the part that differs. What's wrong?
 
 
 # %%
@@ -687,7 +688,7 @@ table(head, rows)
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> is RE from the anchor after <i>to</i> the vertex: the reverse direction. A car seldom gets back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: yours checked every step onward. Hers checked the reverse, and one of her steps is worse than 0.99. In a table of RE the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car seldom gets back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: yours checked every step onward. Hers checked the reverse, and one of her steps is worse than 0.99. In a table of RE the row is always where the robot stands.
 # </details>
 #
 # ## 4 · What nobody showed it
@@ -733,7 +734,7 @@ table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 #
 # The library's agent closes such gaps with its laser: where two scans fit, it adds a **[[turn edge]]**, driven as a three-point turn. Yours has none.
 #
-# Now you set both thresholds. Find the lowest $p_\text{edge}$ without a vermilion edge: those are longer than 5 m on the shortest path. And what's left of the paths at $p_\text{reuse} = 1$ and $p_\text{edge} = 0.999$?
+# Now you set both thresholds. Vermilion edges are longer than 5 m on the shortest path. Find the lowest $p_\text{edge}$ without one. And what's left of the paths at $p_\text{reuse} = 1$ and $p_\text{edge} = 0.999$?
 
 # %% hidden=true
 # The map at two thresholds
@@ -764,7 +765,7 @@ sliders(
 )
 
 # %% [markdown]
-# Only $p_\text{reuse}$ changes the vertices. At $p_\text{edge} = 0.999$ every short cut is gone, since RE never says that much; without reuse, most paths go with them.
+# Only $p_\text{reuse}$ changes the vertices. At $p_\text{edge} = 0.999$ every short cut is gone, since RE never gets that high; without reuse, most paths go too.
 #
 # ## 5 · A field trip
 #
@@ -796,9 +797,9 @@ draw_edges(office_view, picture, office.poses, [(source, target)], colours.LASER
 office_view.arrow(picture, office.poses[source], colours.ROBOT, 8)
 office_view.arrow(picture, office.poses[target], colours.GOAL, 8)
 photos = side_by_side([photo(office, v, 300) for v in (source, target)], ["one", "the other"])
-lie = Prediction(
+apart = Prediction(
     "05",
-    "lie",
+    "apart",
     "How far apart were these two photos taken?",
     {"A": "less than 1 m", "B": "about 3 m", "C": "more than 5 m"},
     right="C",
@@ -809,7 +810,7 @@ lie = Prediction(
     before=photos,
     after=stacked([photos, picture]),
 )
-display(lie)
+display(apart)
 
 # %% [markdown]
 # What you've just seen is **[[perceptual aliasing]]**: two places, one image. The edge that comes of it is a **[[wormhole]]**. We count every edge of more than 5 m on the shortest path. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
@@ -898,9 +899,9 @@ head = {"building": "", "p_edge": ".2f", "anchors on either side": "d", "wormhol
 table({**head, "good edges kept": ".0%"}, rows)
 
 # %% [markdown]
-# Sequences cost good edges: near a fork the anchors before agree and those after don't. That's a bargain, since good edges are many, and one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, for its rooms have different colours. The office needs them badly.
+# Sequences cost good edges: near a fork the earlier anchors agree and the later ones don't. That's a bargain, since good edges are many, and one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, for its rooms have different colours. The office needs them badly.
 #
-# The table's last 1 is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences stay on for edges.
+# The last row's 1 is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences stay on for edges.
 
 # %% hidden=true
 # Does reuse add wormholes, or take some away?
@@ -932,19 +933,17 @@ swap = Prediction(
     tempting="C",
     because="a smaller map should have fewer of everything. But the rule of reuse asks for two "
     "single values of RE, and no sequence.",
-    before=stacked(
-        [picture_before], ["With sequences, no wormhole is left but a step that was driven"]
-    ),
+    before=stacked([picture_before], ["With sequences: one long edge is left, and a car drove it"]),
     after=stacked([picture_after], [f"With reuse, {holes_after.sum()} wormholes"]),
 )
 display(swap)
 
 # %% [markdown]
-# So a car "drove" through a wall, several times? It drove one long step, and no wall. Reuse replaced an anchor by a vertex far away: RE from the anchor before was high, and so was RE to the anchor after. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot of the method, and of our library, which follows it. Can you do better?
+# So a car "drove" through a wall, several times? It drove one long step, through no wall. Reuse replaced an anchor by a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot of the method, and of our library, which follows it. Can you do better?
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4 edges joined the drives. Here sequences cut most of those edges, so without reuse most of the 24 paths are gone; reuse as above, and all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would make 19. There's more than one good answer. What you're given about the V candidates:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4 edges joined the drives. Here sequences cut most of those edges, so without reuse most of the 24 paths are gone; with section 3's rule all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would make 19. There's more than one good answer. You're given, about the V candidates:
 #
 # | each is (V,) | |
 # |---|---|
@@ -1084,7 +1083,7 @@ def ask_next(reach, before, after, p_edge):
 ask_next = check_ask_next.use(ask_next)
 
 # %% [markdown]
-# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find how many sure pairs.
+# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find nearly every sure pair.
 
 
 # %% hidden=true
@@ -1137,7 +1136,7 @@ axis.legend(loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# Similarity finds the right neighbourhood, and the search collects the rest of it. The share is this large only because your flat's map is small. On a large one it's the *number* of queries that counts, and it hardly grows, as a stored run shows:
+# Similarity finds the right neighbourhood, and the search collects the rest of it. The share is this large only because your flat's map is small. On a map of many buildings the *number* of queries counts. By retrieval it hardly grows, as a stored run shows:
 
 # %% hidden=true
 # The stored run of `bench map`
@@ -1152,13 +1151,13 @@ for row in bench.rows:
         rows.append([method, *parts, row["seconds_per_trajectory"]])
     elif row["method"] == "indexed":
         recalls.append(row["recall"])
-table(head, sorted(rows))
 print(f"In one building, retrieval found {min(recalls):.1%} of the edges that all pairs have.")
+table(head, sorted(rows))
 
 # %% [markdown]
 # ## 8 · When a map is full
 #
-# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, for tens of thousands of images; this is the twin of the paper's Fig. 13, and the [page of results](../tutorial_lib/results/README.md) has the numbers of both. Every 10th or 20th image, kept blindly, grows for ever.
+# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, for tens of thousands of images; this is the twin of the paper's Fig. 13. The [page of results](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
 
 # %% hidden=true
 # Vertices against images, from a stored run
@@ -1183,7 +1182,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>Why don't they stop altogether?</summary>
-# A replacement must be reachable from the anchor before <i>and</i> reach the anchor after: some decimetres off, and one of the two is a little too far. So the library lets an <b>edge</b> stand in where no vertex does: RE from $v$ to the anchor, and from the anchor to $w$, are above p_between, and the drive goes through $v$ and $w$. A lower p_reuse shrinks maps, too, but then places merge that only look alike.
+# A replacement must be reachable from the previous anchor <i>and</i> reach the next: some decimetres off, and one of the two is a little too far. So the library lets an <b>edge</b> stand in where no vertex does: RE from $v$ to the anchor, and from the anchor to $w$, are above p_between, and the drive goes through $v$ and $w$. A lower p_reuse shrinks maps, too, but then places merge that only look alike.
 # </details>
 #
 # ## 9 · What went wrong
@@ -1243,23 +1242,23 @@ for name, kind in (
     plan = near_view if data is home else office_view
     tone = colours.LASER if kind == "wormhole" else colours.INK
     panels.append(edge_picture(plan, data, a, b, tone))
-    titles.append(f"{name}, {kind}: RE {data.reach[a, b]:.2f} from blue to green")
+    titles.append(f"{name}, {kind}: RE {data.reach[a, b]:.3f}, blue (above) to green")
 rows = [side_by_side(panels[i : i + 2], titles[i : i + 2]) for i in range(0, len(panels), 2)]
 show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places, one image, and a rule of reuse that asks for no sequence. <i>Distant replacements</i>: in the office the same; in the flat mostly no defect at all. A vertex some metres on does the anchor's job as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the anchors before and after, and one of those was just too far. Some are ends of drives, which are always kept.
+# <i>Wormholes</i>: two places, one image, and a rule of reuse that asks for no sequence. <i>Distant replacements</i>: in the office the same; in the flat most aren't defects. A vertex some metres on does the anchor's job as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are ends of drives, which are always kept.
 # </details>
 #
 # ## 10 · The cupboard moved
 #
-# A week later someone has moved a cupboard. From then on no robot reaches the vertex that shows the old view, and each plan through it fails. So a map must forget. The library's rule: a new drive removes a vertex if it
+# A week later someone has moved a cupboard. From then on no robot reaches the vertex that shows the old view, and each plan through it fails. So a map must forget. The library's rule: a new drive removes a vertex if the drive
 #
 # - reaches, above $p_\text{edge}$, the vertex's predecessor and soon after its successor,
-# - and on that whole stretch gives the vertex itself less than $p_\text{outdated} = 0.1$: *surely* gone.
+# - and all the way gives the vertex itself less than $p_\text{outdated} = 0.1$: it's *surely* gone.
 #
-# Let's pretend: the first drive, driven again, with one of its vertices changed. Watch which vertex goes.
+# Let's pretend: someone drives the first drive again, and its vertex 4 has changed. With `p_outdated = 0.0` nothing is forgotten.
 
 
 # %% hidden=true
@@ -1304,15 +1303,15 @@ for p_outdated in (0.0, 0.1):
     print("    the first drive is now  " + " ".join(map(str, aged.paths[0])))
 
 # %% [markdown]
-# The changed place gets a new vertex either way, since reuse fails there by itself. What forgetting adds is that the old one goes, and that no plan leads through it any more. And only a robot that *passes* may say that something's gone: an RE that says 0 for everything out of sight would empty the map.
+# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone: an RE that says 0 for everything out of sight would empty the map.
 #
 # <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
-# If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If little, the vertex does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. Hence the strict 0.1.
+# If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If little, the vertex does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why 0.1 is strict.
 # </details>
 #
 # ## 11 · Good night, robot
 #
-# So far RE came from a table. Here's the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. It reuses a vertex if both REs are above 0.94 (`p_reuse`), and lets an edge stand in above 0.94 (`p_between`, section 8). `reuse_sequence=0` says that reuse asks for no sequence: that's the hole which your own rule has just patched. Compare [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py) with yours. A map outlives a battery, so it's saved, too: images and graph, in one `.npz` file.
+# So far RE came from a table. Here's the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. It reuses a vertex if both REs are above 0.94 (`p_reuse`), and lets an edge stand in above 0.94 (`p_between`, section 8). `reuse_sequence=0` means that reuse asks for no sequence: your own rule patched that hole. Compare [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py) with yours. A map outlives a battery, so it's saved, too, in one `.npz` file. Then we cut the file short, and the last line says so.
 
 # %% hidden=true
 # The library's map, with the network inside; saved, loaded, and damaged
@@ -1360,6 +1359,6 @@ show(stacked([picture], ["Twelve drives, one map. Now what?"]))
 # - find the few pairs that are worth a query;
 # - say why a map stops growing, and when it may forget.
 #
-# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go back on the map? Remove every edge that a path of other edges replaces at 1 % less: is every path still there? Remove a vertex only when two drives didn't see it: what must the map remember for that?
+# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go back on the map? Remove every edge that a path of other edges replaces at 1 % less: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
 #
 # Tonight the robot can't use any of it. There's a map, and there's a photo on the fridge, and it doesn't know how to get from one to the other. In notebook 06 it plans on this map, refuses, gets lost, and finds the lie. The paper's III-F and III-G are good reading until then.

@@ -315,7 +315,7 @@ def _difference(got: SmallMap, want: SmallMap) -> str:
         return f"{shown}: append the new path to those that are there"
     if got.paths != want.paths:
         mine, right = got.paths[-1], want.paths[-1]
-        shown = f"the new path is {mine}, but {right} is right"
+        shown = f"your new path is {mine}, but {right} is right"
         if got.paths[:-1] != want.paths[:-1]:
             return "paths of earlier trajectories stay as they are; append the new one"
         if len(mine) == len(right):
