@@ -5,7 +5,7 @@
 #
 # In a minute it'll drive there, once, by magic. Then the magic's off, and in ten notebooks you'll build it yourself.
 #
-# **Ten minutes, and no code to write.** Click into the first cell, which checks your installation, and press *Shift + Enter*, again and again. Most code is folded; click the three dots to read it.
+# **Ten minutes, and no code to write.** Click into the first cell, and press *Shift + Enter* again and again. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
 
 # %%
 from tutorial_lib.checks.nb00 import check_environment
@@ -96,7 +96,7 @@ where = Prediction(
     "Where was the photo taken?",
     {"A": "at A, in the living room", "B": "at B, in the bathroom", "C": "at C, in the bedroom"},
     right="B",
-    robot="it has no plan to look at. All it can do is to compare photos.",
+    robot="it has no plan to look at. All it can do is compare photos.",
     tempting="A",
     because="it has a blue wall, too. But at A the blue wall is on the left, and a plant on the right.",
     before=side_by_side(
@@ -121,14 +121,14 @@ print(f"Hello, {robot}!")
 # %% [markdown]
 # ## It drives there, once
 #
-# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads are images that it kept, thin lines lead from one to the next. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no position**.
+# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads are the images it kept, thin lines lead from one to the next. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no position**.
 #
-# It plans a path through its images, and predicts how probably that works. Then it sets off, past two people who are in none of its images. Watch what it does when it meets one. The cell takes about 20 s.
+# It plans a path through its images, and predicts how likely that is to work. Then it sets off, past two people who are in none of its images. Watch what it does when it meets one. The cell takes about 20 s.
 
 # %% hidden=true
 # It learns a map of the flat, and drives to the photo
 film, outcome = navigate_once(home, seed=2, places=4, goal=[3.23, -0.55, 0.2])
-print(f"a map of {outcome.vertices} vertices and {outcome.edges} edges")
+print(f"a map of {outcome.vertices} images, joined by {outcome.edges} lines")
 print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"{robot} {outcome.ending}, after {outcome.seconds:.0f} s")
@@ -140,7 +140,7 @@ play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 
 #
 # ## Through its eyes
 #
-# Your robot is in the living room. The floor that its camera sees is yellow: 120 degrees of it.
+# Your robot is in the living room. Its camera sees 120 degrees; the floor in view is yellow.
 
 # %% hidden=true
 # The robot on the plan, and three images
@@ -170,7 +170,7 @@ eyes = Prediction(
 display(eyes)
 
 # %% [markdown]
-# The image says: *something green and blue is close on my left, and I can drive past it.* It doesn't say: *you're in the living room, at (-4.5, -11.6)*. To reach the place shown in an image, with such images alone, is [[image-goal navigation]].
+# The image says: *something green and blue is close on my left, and I can drive past it.* It doesn't say: *you're in the living room, at (-4.5, -11.6)*. Reaching the place shown in an image, with such images alone, is [[image-goal navigation]].
 #
 # ## A field trip
 #
@@ -209,7 +209,7 @@ display(twins)
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive one path: from the living room to the bathroom, back, and there again. Each measures with its own errors: 5 % of a distance, 5 % of a turn, and a heading that drifts a little.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive one path: from the living room to the bathroom, back, and there again. Each makes its own errors: about 5 % of each distance and turn, and a heading that drifts a little.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)
@@ -276,13 +276,13 @@ display(wheels)
 # So the map in the film holds no coordinates. It's a [[topological map]]:
 #
 # - a **[[vertex]]** is a place, stored as the images taken there;
-# - an **[[edge]]** says: *from here the robot can drive to there by its camera*, and how probably.
+# - an **[[edge]]** says: *from here the robot can drive to there by its camera*, and how likely that is.
 #
-# To plan is to find the path that most probably succeeds; to follow it is to drive from image to image.
+# Planning finds the path most likely to succeed; following it means driving from image to image.
 #
 # ## You drive
 #
-# Now you have the camera. Each press of a button drives for half a second; the arrow keys work, too, while the pointer is on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
+# Now you have the camera. Each press drives for half a second; the arrow keys work, too, while the pointer is on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
 
 # %% hidden=true
 # Drive the car
@@ -294,7 +294,7 @@ teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 #
 # ## A policy that cheats
 #
-# A **policy** decides what a robot does next. The one in this film knows the floor plan and its position; people are pink. Such a policy is an **[[oracle]]**: it shows what's possible, and yours will be compared with it.
+# A **policy** decides what a robot does next. The one in this film knows the floor plan and where the robot is. People are pink. Such a policy is an **[[oracle]]**: it shows what's possible, and you'll compare yours with it.
 
 # %% hidden=true
 # Film a policy that knows the map (about 5 s)
@@ -342,7 +342,7 @@ sliders(
 )
 
 # %% [markdown]
-# Has a real robot mapped your laboratory? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, with a small text file. The cell makes such a map, of three rooms and a corridor, and imports it as it would import yours. Its walls are painted at random.
+# Has a real robot mapped your laboratory? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, with a small text file. The cell makes such a map, of three rooms and a corridor, and imports it as it would yours. The walls' colours are random.
 
 # %% hidden=true
 # Make a ROS map, import it, and look into it
@@ -389,14 +389,13 @@ show(
 # | 01 world_and_car | see and move | frames, the car's motion, a ray, a column of the image |
 # | 02 local_control | reach a target in sight | a controller that drives to an image |
 # | 03 reachability | say "I won't make that" | a network that predicts whether it arrives |
-# | 04 sparsification | follow a recorded way | the choice of the images worth keeping |
+# | 04 sparsification | follow a recorded drive | the choice of the images worth keeping |
 # | 05 map_building | go where nobody drove it | the graph of many drives |
 # | 06 probabilistic_planning | find home | the most probable path, and when to refuse |
 # | 07 aliasing | tell twin rooms apart | a belief over the places of the map |
 # | 08 lifelong_maps | cope with a closed door | a map that mends itself |
 # | 09 ghost_nodes | search a flat that's new to it | nodes where nobody has been |
-#
-# Cells below an exercise use what you wrote. Wherever you're stuck, the library's version takes over.
+# | 10 ten_visits | keep its map while its odometry drifts | the match of two laser scans |
 #
 # **After this notebook you can**
 #

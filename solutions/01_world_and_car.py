@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 01 · The world and the car
 #
-# **Facing the wrong way.** Yesterday your robot drove to the photo, by magic. This morning the magic's off, and somebody has left it in the hallway, with the photo behind it. With its wheels all the way to the left, its rear axle drives a half circle of 1.24 m. *How wide must the hallway be?*
+# **Facing the wrong way.** Yesterday your robot drove to the photo, by magic. This morning the magic's off, and somebody has left it in the hallway, with the photo behind it. With its wheels all the way to the left, its rear axle drives a half circle 1.24 m across. *How wide must the hallway be?*
 #
 # Today you write how your robot moves, how it counts its own motion, and how it sees. At the end, your code paints what its camera took in the living room.
 
@@ -101,13 +101,13 @@ display(turn)
 # **Three old questions first.**
 #
 # <details><summary>Notebook 00: two images are equal, pixel by pixel. Were they taken at one place?</summary>
-# Perhaps not: twin rooms give the same image. But a step sideways, and the images differ.
+# Perhaps not: twin rooms give the same image.
 # </details>
 # <details><summary>Notebook 00: why does the odometry's error shrink for a while after the car turns back?</summary>
 # An error of the heading pushes the estimate to one side on the way there, and to the other on the way back.
 # </details>
 # <details><summary>Notebook 00: what does an edge of a topological map say?</summary>
-# From here the robot can drive to there by its camera, and how probably. It says nothing of metres.
+# From here the robot can drive to there by its camera, and how likely that is. It says nothing about metres.
 # </details>
 #
 # ## 1 · Where is it in the robot's frame?
@@ -188,7 +188,7 @@ display(frame)
 #
 # $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
 #
-# The heading is kept between $-\pi$ and $\pi$ (*wrapped*).
+# Keep the heading between $-\pi$ and $\pi$: *wrap* it.
 #
 # ### Exercise 2 · `compose` (easy, 10 minutes)
 #
@@ -253,7 +253,7 @@ def draw_laps(told):
 laps = Prediction(
     "01",
     "laps",
-    "After three laps, 24 m, the robot is back. How far off is its odometry?",
+    "After three laps, 24 m, the robot is back where it started. How far off is its odometry?",
     {"A": "about 5 cm", "B": "about half a metre", "C": "about 4 m"},
     right="B",
     robot=f"its odometry is {off[8]:.2f} m off after one lap, {off[16]:.2f} m after two and "
@@ -267,11 +267,11 @@ laps = Prediction(
 display(laps)
 
 # %% [markdown]
-# Every step is rotated by all the errors before it. Section 4 leaves the circle.
+# Each step inherits all the heading errors before it. Section 4 leaves the circle.
 #
 # ## 3 · A car can't turn in place
 #
-# The front wheels turn by the steering angle $\delta$, the rear wheels only roll. The car's pose is that of the middle of its rear axle, and $v$ is the speed there. The [[wheelbase]] $L$ is the distance between the axles. A dot is the time derivative:
+# The front wheels turn by the steering angle $\delta$; the rear wheels only roll. The car's pose is taken at the middle of its rear axle, and $v$ is the speed there. The [[wheelbase]] $L$ is the distance between the axles. A dot is the time derivative:
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
@@ -306,7 +306,7 @@ def bicycle_step(pose, speed, steering, wheelbase, seconds):
 bicycle_step = check_bicycle_step.use(bicycle_step)
 
 # %% [markdown]
-# The hallway again, with your function at the wheel. Watch the dotted corner: is there an angle at which the car gets round?
+# Back in the hallway, your function is at the wheel. Watch the dotted corner: does any angle get the car round?
 
 
 # %%
@@ -352,13 +352,13 @@ sliders(
 )
 
 # %% [markdown]
-# There's none, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why notebook 03 learns reachability, and doesn't measure distance.
+# None does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why notebook 03 learns reachability, and doesn't measure distance.
 #
 # ### When it touches something
 #
-# These equations know nothing of walls. A physics library, [pymunk](https://www.pymunk.org), does: to it the car is a **rigid body**, which moves and turns but never bends. At a **contact**, the part of its velocity that points into the wall is taken away. The rest moves the car.
+# These equations don't know about walls. A physics library, [pymunk](https://www.pymunk.org), does: to it the car is a **rigid body**, which moves and turns but never bends. At a **contact**, the part of its velocity that points into the wall is taken away. The rest moves the car.
 #
-# One car drives straight at a wall, one at 40°, and their motors go on for five seconds. The third stands still, and a person walks into it.
+# One car drives straight at a wall, one at 40°, and their motors run for five seconds. The third stands still, and a person walks into it.
 
 # %% hidden=true
 # Three contacts: a wall ahead, a wall at an angle, and a person
@@ -423,8 +423,8 @@ contact = Prediction(
     "Paler is earlier. Which car moves farthest after the first contact?",
     {"A": "the one with a wall ahead", "B": "the one at an angle", "C": "the one that stands"},
     right="B",
-    robot=f"at an angle it scrapes along for {rows[1][3]:.2f} m. The person pushes the third car "
-    f"{rows[2][3]:.2f} m, and head-on it moves {rows[0][3]:.2f} m.",
+    robot=f"at an angle, the car scrapes along for {rows[1][3]:.2f} m. The person pushes the third "
+    f"{rows[2][3]:.2f} m, and the car with a wall ahead moves {rows[0][3]:.2f} m.",
     tempting="C",
     because="it's the one without a wall in its way. But it goes only as far as the person walks, "
     "and the part of a velocity along a wall is never taken away.",
@@ -439,7 +439,7 @@ head = {"the car meets": "", "first contact, s": ".1f", "its wheels then ask for
 table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 
 # %% [markdown]
-# The wall pushes at the second car's front corner and turns it along. There's no **friction** here; a real wall would slow the car down and scratch it.
+# The wall pushes the second car's front corner, and so turns the car. There's no **friction** here; a real wall would slow the car down and scratch it.
 #
 # <details><summary>How far is the person moved?</summary>
 # Not at all. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. This one pays no attention to robots. The people of later notebooks stop 1.3 m before a robot, wait two seconds, and walk back. <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever did.
@@ -447,9 +447,9 @@ table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors aren't exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B): ten times a second, both controls are multiplied by random numbers of mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and of each turn, and its heading drifts.
+# Motors aren't exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B): ten times a second, we multiply both controls by random numbers of mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and turn, and its heading drifts.
 #
-# 200 cars start at one place and get the same commands for 20 s. Your `compose` adds up where they are, and where their odometry puts them.
+# Two hundred cars start at one place and get the same commands for 20 s. Your `compose` adds up where they are, and where their odometry puts them.
 
 # %%
 commands = np.array([[0.5, 0.0]] * 60 + [[0.5, 0.25]] * 60 + [[0.5, 0.0]] * 80)
@@ -502,7 +502,7 @@ def draw_cloud(told):
 cloud = Prediction(
     "01",
     "cloud",
-    "Now each car's odometry error at the end, seen from that car. What's its shape?",
+    "Next we plot each car's odometry error at the end, seen from that car. What cloud comes out?",
     {
         "A": "as large as this cloud",
         "B": "smaller, and longer ahead than across",
@@ -510,8 +510,8 @@ cloud = Prediction(
     },
     right="C",
     robot=f"its odometry is {along:.2f} m off ahead and {across:.2f} m across (standard "
-    f"deviations); the cars themselves are spread over {spread:.2f} m. Half of them are less than "
-    f"{half:.2f} m off, nine tenths less than {most:.2f} m.",
+    f"deviations); the cars themselves are spread over {spread:.2f} m. For half of the cars it's less "
+    f"than {half:.2f} m off, for nine tenths less than {most:.2f} m.",
     tempting="B",
     because="5 % of a distance is an error ahead. But a wrong heading, over metres, becomes an "
     "error across, and that's larger.",
@@ -539,15 +539,15 @@ display(cloud)
 #
 # ## 5 · A ray hits a wall
 #
-# Your robot opens its eyes. A beam of its [[laser scanner]] and a column of its image ask one question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$, a ray starts at $o$ and runs along the unit vector $d$. They intersect where
+# Your robot opens its eyes. A beam of its [[laser scanner]] and a column of its image ask the same question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$; a ray starts at $o$ and runs along the unit vector $d$. They intersect where
 #
 # $$ o + t\,d = a + u\,(b - a), \qquad t \ge 0, \quad 0 \le u \le 1. $$
 #
-# Take the cross product of both sides with $b - a$, and $u$ drops out; with $d$, and $t$ does. With $p \times q = p_x q_y - p_y q_x$,
+# Take the cross product of both sides with $b - a$, and $u$ drops out; take it with $d$, and $t$ does. With $p \times q = p_x q_y - p_y q_x$,
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
-# Where ray and wall are parallel, the denominator is zero, or $10^{-16}$ by rounding. So a size of $10^{-12}$ or less counts as parallel, whatever its sign.
+# Where ray and wall are parallel, the denominator is zero, but for rounding. So count an absolute value of $10^{-12}$ or less as parallel.
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
@@ -606,12 +606,12 @@ for end in ends:
     view.polyline(picture, [eye[:2], end], colours.LASER, 1)
 view.points(picture, ends, colours.LASER, 3)
 view.robot(picture, eye, car.footprint)
-show(stacked([picture], ["Your scan: 60 rays"]))
+show(stacked([picture], ["Your scan: 60 rays, cut off at 6 m"]))
 
 # %% [markdown]
 # ## 6 · From a ray to a column of pixels
 #
-# The camera sits 0.25 m above the floor (`EYE`), the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing direction, not along the ray. The wall ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The image reaches from the slope $s = \tan 30°$ (`slope`) down to $-s$, and its rows divide that range evenly.
+# The camera sits 0.25 m above the floor (`EYE`), the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing direction, not along the ray. A slope is a height above the eye, divided by $z$: the wall reaches from $0.75 / z$ down to $-0.25 / z$. The image reaches from $s = \tan 30°$ (`slope`) down to $-s$, and its rows divide that range evenly.
 #
 # A row that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. So even images of 16 rows show distances well: the share is in the colour.
 #
@@ -677,7 +677,7 @@ show(side_by_side(pictures, ["with wall_share", "by the library"]))
 #
 # ## 7 · The way to the photo
 #
-# An oracle, which knows the floor plan, drives your robot to the photo, and your robot records: a [[trajectory]] of poses, images and actions. Orange dots are its laser scans at the numbered places. This is the twin of the paper's Fig. 6, **in an easier world**: theirs is a scanned building with real textures.
+# An oracle, which knows the floor plan, drives your robot to the photo, while your robot records a [[trajectory]]: poses, images and actions. Orange dots are its laser scans at the numbered places. This is the twin of the paper's Fig. 6, **in an easier world**: theirs is a scanned building with real textures.
 
 # %% hidden=true
 # A trajectory through the flat, with numbered images along it
@@ -710,10 +710,10 @@ alike = Prediction(
     "01",
     "alike",
     "Compare the images pixel by pixel. Which two differ least?",
-    {"A": "1 and 2", "B": "2 and 4", "C": "3 and 4"},
+    {"A": "6 and 7", "B": "2 and 4", "C": "3 and 4"},
     right="B",
-    robot=f"it subtracts. 2 and 4 differ by {unlike[1, 3]:.0f} grey levels on average, 1 and 2 by "
-    f"{unlike[0, 1]:.0f}, 3 and 4 by {unlike[2, 3]:.0f}.",
+    robot=f"it subtracts. 2 and 4 differ by {unlike[1, 3]:.0f} grey levels on average, 3 and 4 by "
+    f"{unlike[2, 3]:.0f}, 6 and 7 by {unlike[5, 6]:.0f}.",
     tempting="C",
     because="3 and 4 look along one hallway. But a wall that's nearer covers other pixels, and "
     "pixels are all that's compared.",
@@ -723,7 +723,7 @@ print(f"a trajectory of {arc_length(np.array(track))[-1]:.1f} m")
 display(alike)
 
 # %% [markdown]
-# Pixels are a poor measure of how close two places are. So this course learns what the car can *reach*. The laser has gaps, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits in between.
+# Pixels are a poor measure of how close two places are. So you'll teach a network what the car can *reach*. The laser has gaps, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits in between.
 #
 # **Close it and draw the pipeline**, with your function names: from a command to the image that follows it.
 #

@@ -30,7 +30,7 @@ TOPICS = [
         [_poses([0.0, 0.0, np.pi / 2], [0.0, 1.0, 0.0])],
     ),
     Topic(
-        "any two motions whose headings need no wrapping",
+        "two motions whose headings add up to between -pi and pi",
         "turn the second step by the first heading, add the first place; the headings add up",
         [_poses([1.0, 2.0, 0.4], [0.5, 0.2, 0.3]), _poses([0.0, 1.0, -2.0], [1.5, -0.5, 1.0])],
     ),

@@ -52,7 +52,7 @@ TOPICS = [
     ),
     Topic(
         "other numbers of rows",
-        "the number of rows is an argument: it sets the height of a row, h, and the shape",
+        "the number of rows is an argument: it sets h and the shape; one row may hold all the wall",
         [(2.0, count) for count in (64, 4, 7, 1)],
     ),
     Topic(
@@ -151,6 +151,8 @@ divide the overlap by the height of a row, h = 2s / rows; times rows is not the 
     0, 1) -> 0, 1) * 2 * _SLOPE
 the row that the wall's foot cuts is covered in part, too, as the one of its upper end is
     np.maximum(bottom, lower) -> np.where(upper > bottom, lower, upper)
+one row may hold both ends of the wall: the share is then the wall's height over h
+    np.maximum(bottom, lower) -> np.where(top < upper, lower, np.maximum(bottom, lower))
 a row of which the wall covers a few hundredths has that share; leave none out
     overlap / height -> np.where(overlap < 0.05 * height, 0, overlap) / height
 """
