@@ -316,7 +316,7 @@ build_map = check_build_map.use(build_map)
 
 
 # %% hidden=true
-# Your map of the flat, with three values of D_m, and one vertex after the other (a slider)
+# Your map of the flat, with three values of D_m, one vertex after the other
 sure, far = resident.sampled.accepted, length(pool.waypoints)
 drawn = np.random.default_rng(3).permutation(len(pool)).tolist()
 maps = {merge: build_map(sure, far, drawn, merge, 2.5) for merge in (0.4, 0.7, 1.0)}
@@ -541,7 +541,7 @@ live = check_live.use(live)
 # Someone spoils your flat's map with forty wormholes (vermilion). Each promises to be 1 m long. A true edge works in 95 of 100 drives, a wormhole in 2. Your `live` gets two hundred queries.
 
 # %% hidden=true
-# Your loop on the flat's map with forty wormholes: two hundred queries, in blocks of twenty
+# Your loop on a map with forty wormholes: two hundred queries
 
 
 def spoilt(wormholes, rng):
@@ -692,7 +692,7 @@ display(blame)
 
 
 # %% hidden=true
-# The belief in a wormhole and in the innocent edge after it, when the second fails again and again
+# The belief in a wormhole, and in the innocent edge after it
 def blamed(wormhole, innocent):
     """Both beliefs after up to four failures of the second edge."""
     alone, both = [innocent], [(wormhole, innocent)]
