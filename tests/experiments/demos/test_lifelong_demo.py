@@ -135,7 +135,7 @@ def test_a_moment_shows_the_plan_over_vertices_and_the_map_s_counts(box):
 def test_options_that_do_not_count_in_a_life_are_refused(option, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     values = {"map": ["x.yaml"], "region": ["1,2"], "family": ["maze"], "seed": ["0"]}
-    values |= {"start": ["kitchen"], "goal": ["kitchen"]}
+    values |= {"start": ["kitchen"], "goal": ["kitchen"], "agent": ["mine.py:Mine"]}
     assert main(["demo", "--lifelong", f"--{option}", *values.get(option, [])]) == 2
     error = capsys.readouterr().err
     assert f"--{option}: the demo cannot use it with --lifelong; leave it out" in error
