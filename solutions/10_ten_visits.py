@@ -807,7 +807,7 @@ display(league.enter("MyRobot", summary(mine)))
 # .venv/bin/python -m tutorial_lib experiment race --quick --agent my_answers/my_robot.py:MyRobot
 # ```
 #
-# `--quick` sends everyone through six lives in three buildings, in about ten minutes on two cores. Without it, it's thirty lives in ten, and an hour. Your row is called *custom*.
+# `--quick` sends everyone through six lives in three buildings, in five to ten minutes on two cores. Without it, it's thirty lives in ten, and an hour. Your row is called *custom*.
 #
 # ### Eight projects
 #
