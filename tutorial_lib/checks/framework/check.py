@@ -98,7 +98,7 @@ class Check:
         try:
             picture = guard.limited(self.judge, student)
         except NotImplementedError:
-            message = "Not attempted yet; the cells below use the reference."
+            message = "Not attempted yet; the cells below use the library's."
             return Result(self.name, "not attempted", message)
         except WrongAnswer as wrong:
             return Result(self.name, "failed", str(wrong), wrong.picture)
@@ -188,7 +188,7 @@ class Check:
         ratio = mine / reference
         if ratio <= SLOWEST or self.calls * mine <= AFFORDABLE:
             return ""
-        return f"Correct, but {ratio:.0f} times slower than the reference, which is used below."
+        return f"Correct, but {ratio:.0f} times slower than the library's, which is used below."
 
 
 def check(
