@@ -155,7 +155,9 @@ def test_a_planner_of_ones_own_is_filmed_on_the_usual_task(tmp_path, capsys):
     assert main(["demo"]) == 0
     usual = json.loads((tmp_path / "demo.json").read_text())
     assert main(["demo", "--agent", "mine.py:Planner"]) == 0
-    assert "mine plans" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "mine plans" in said
+    assert "by sight, with mine.py:Planner: reached the goal" in said
     assert json.loads((tmp_path / "demo.json").read_text()) == usual
     assert main(["demo", "--agent", "mine.py:Faulty"]) == 2
     assert "--agent mine.py:Faulty: mine.py, line 14: ZeroDivisionError" in capsys.readouterr().err

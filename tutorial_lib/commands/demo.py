@@ -177,7 +177,8 @@ def _navigate(options: argparse.Namespace) -> bool:
             own=options.agent or "",
             say=say,
         )
-    drives = [("by sight", outcome), *([("oracle", outcome.oracle)] if outcome.oracle else [])]
+    drives = [(f"by sight, with {options.agent}" if options.agent else "by sight", outcome)]
+    drives += [("oracle", outcome.oracle)] if outcome.oracle else []
     print(f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:")
     for name, drive in drives:
         words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"

@@ -14,7 +14,7 @@ from tutorial_lib.learning.small_training import TrainingPlan
 from tutorial_lib.learning.training_probe import Trace
 
 
-def history_mistake(got: Trace, want: Trace) -> str | None:
+def _history_mistake(got: Trace, want: Trace) -> str | None:
     """Whether the history says what was measured."""
     words = "return the history, a list with (step, training loss, validation loss) for each"
     if got.history is None:
@@ -108,7 +108,7 @@ the rate is set after the step, so that every step uses that of the step before 
 _RATES = mistakes_of(_rate, MISTAKES)
 
 
-def rate_mistake(got: Trace, plan: TrainingPlan) -> str | None:
+def _rate_mistake(got: Trace, plan: TrainingPlan) -> str | None:
     """Whether every update has its learning rate."""
     steps = range(len(got.rates))
     right = [plan.learning_rate * _rate(step, plan) for step in steps]
@@ -130,11 +130,11 @@ def mistake(got: Trace, want: Trace, plan: TrainingPlan, gradients: Array) -> st
     return (
         _drawing(got, want)
         or _updating(got, gradients, plan)
-        or rate_mistake(got, plan)
+        or _rate_mistake(got, plan)
         or _evaluating(got, want, plan)
         or _modes(got)
         or _ending(got, want, plan)
-        or history_mistake(got, want)
+        or _history_mistake(got, want)
         or _keeping(got, want)
     )
 
