@@ -74,7 +74,7 @@ class Settings:
     """
 
     agents: tuple[str, ...] = AGENTS
-    queries: int = 30
+    queries: int = 50
     block: int = 10
     fleet: int = 5
 
@@ -254,8 +254,9 @@ QUICK = Settings(queries=20)
 EXPERIMENT = Experiment(
     "ltvn_change",
     run,
-    tuple(range(20_002, 20_026, 3)),
+    tuple(range(20_002, 20_032, 3)),
     tuple(range(20_002, 20_008, 3)),
     settings=Settings(),
     quick_settings=QUICK,
+    canary=Settings((MENDING,), queries=1, block=1, fleet=1),
 )
