@@ -1,11 +1,11 @@
 # %% [markdown]
 # # 09 · Ghost nodes
 #
-# **A flat that nobody has ever driven through.** A friend has moved across town, and tonight your robot stands in her hallway: no drives, no map, no tour. She holds up a photo, taken all around: *take me here*.
+# **A flat that nobody has ever driven through.** A friend has moved across town, and tonight your robot stands in her hallway: no drives, no map, no tour. She holds up a 360° photo: *take me here*.
 #
-# For this trip your robot has another body. It turns on the spot, and its camera sees all around, too. Three ways lead on: A, B and C. *Which one would you take?*
+# For this trip your robot has another body. It turns on the spot, and its camera sees all around. Three ways lead on: A, B and C. *Which one would you take?*
 #
-# By the end your robot will find such places on your code. You'll find out what its best guess is worth, and then you'll write your own.
+# By the end, your robot will find such a place, running your code. You'll find out what its best guess is worth, and then teach it your own.
 
 # %% hidden=true
 # The flat, and three ways (about 10 s)
@@ -150,27 +150,27 @@ ways = Prediction(
 display(ways)
 
 # %% [markdown]
-# **110 minutes.** Sections 9 and 10 are for a second sitting, another 20. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
+# **110 minutes.** Sections 9 and 10 are for a second sitting: another 20. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
 #
 # **Three old questions first.**
 #
 # <details><summary>Notebook 08: a drive along an edge fails. Why isn't the edge deleted at once?</summary>
-# Good edges fail now and then, because somebody walks by. One failure lowers the belief in the edge; it goes when the evidence is against it.
+# Good edges fail now and then, when somebody walks by. One failure lowers the belief in the edge; it's deleted once the evidence is against it.
 # </details>
 # <details><summary>Notebook 07: two rooms look alike. How can a robot still find out where it is?</summary>
-# It keeps a belief over all places and carries it along as it drives. Sooner or later a view fits only one of them.
+# It keeps a belief over all places and updates it as it drives. Sooner or later a view fits only one of them.
 # </details>
-# <details><summary>Notebook 06: RE to the goal must be far above one half before the robot starts. Why?</summary>
-# A planner takes the best of many vertices, and whoever takes the best of many takes its mistakes, too.
+# <details><summary>Notebook 06: RE's prediction for the goal must be far above one half before the robot starts. Why?</summary>
+# A planner takes the best of many vertices, and the best of many is often a lucky mistake.
 # </details>
 #
 # ## 1 · Watch it look
 #
-# This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, and stop. Wheels and odometry are a little off, as a real robot's are. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
+# This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its wheels and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m long. The white map is **all that it remembers**: dark dots where it looked around, and purple ones, the darker, the better they look to it. The green ring is where it's going. The rose has a bar for each of twelve directions, the longer, the better: purple where there's a purple dot, green where it's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. Dark dots are where it looked around; purple ones look better to it the darker they are. The green ring is where it's going. The rose has a bar for each of twelve directions: the longer, the better. Bars are purple where there's a purple dot, green where it's going.
 #
-# The cell takes about 5 s. Move the slider, and decide where the goal is. Only then choose *shown*.
+# The cell takes about 5 s. Move the slider, and guess where the goal is. Only then choose *shown*.
 
 # %% hidden=true
 # One hard episode of the library's agent, with a slider
@@ -273,9 +273,9 @@ print(
 )
 
 # %% [markdown]
-# What's odd? Until it sees the goal, it never heads there. It heads for purple dots: places 3 m away where it has never been.
+# What's odd? Until it sees the goal, it never heads for it. It heads for purple dots: unexplored places 3 m from a dark dot.
 #
-# Such a dot is a **[[ghost node]]**: a direction that may lead on. It hangs on a dark dot, a **[[node]]**, which is a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts that it didn't take stay where they are, and *that's* its memory of doors passed by.
+# Such a dot is a **[[ghost node]]**: a direction that may lead on. It belongs to a dark dot: a **[[node]]**, which stores a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts it didn't take stay where they are: *they're* its memory of the doors it passed.
 #
 # And the white map is a little off: the arrowhead is where the wheels say the robot is.
 #
@@ -289,17 +289,17 @@ print(
 #
 #   It also says whether the *goal* is in sight. It must be [[calibrated]]: the robot acts on anything above one half.
 #
-# - **$\mathcal F_G$: where does it go on?** It says yes or no to each of 12 directions, and never looks at the goal: a door is a door.
+# - **$\mathcal F_G$: which directions lead on?** It says yes or no to each of 12, and never looks at the goal: a door is a door.
 #
 # - **$\mathcal F_S$: where's the goal?** It gives each direction a score. Let $e_k$ be the farthest point in direction $k$, up to 3 m away, that the robot can drive straight to. With $d$ for the length of the shortest path,
 #
 # $$ s_k = \max\!\Big(1 - \frac{d(e_k, \text{goal})}{20\ \text{m}},\ 0\Big). $$
 #
-#   When the goal is out of sight, nobody can *see* that. A network can only guess, from what usually leads where. The guess is the **semantic score**.
+#   When the goal is out of sight, nobody can *see* that distance. A network can only guess, from what usually leads where. The guess is the **semantic score**.
 #
-# - **$\mathcal F_R$: where exactly?** It gives bearing and distance of a goal in sight, and decides where to stop.
+# - **$\mathcal F_R$: where exactly?** It gives the bearing and distance of a goal in sight, and decides where to stop.
 #
-# One network answers all four. Direction 0 is ahead, 1 is 30° to the left, 11 is 30° to the right. Here are its answers in your friend's hallway, and near the goal.
+# One network answers all four. Direction 0 is ahead, 1 is 30° to the left, 11 is 30° to the right. Here are its answers in your friend's hallway and near the goal.
 
 # %% hidden=true
 # The four functions at two places, and the truth
@@ -320,10 +320,10 @@ for i, place in enumerate(("in the hallway", "near the goal")):
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# Purple is where $\mathcal F_G$ sees a way on; dark arcs are the true scores. $\mathcal F_S$ needn't be right about metres: if it's 0.1 too high everywhere, the bars keep their order.
+# Purple is where $\mathcal F_G$ sees a way on; dark arcs are the true scores. $\mathcal F_S$ needn't be right about metres: if every score is 0.1 too high, the bars keep their order.
 #
-# <details><summary>Near the goal, the highest bar needn't point at the goal. Why not?</summary>
-# A bar is about the end of its direction, and that may lie beyond the goal, 3 m away. Near the goal $\mathcal F_R$ decides, not $\mathcal F_S$.
+# <details><summary>Near the goal, the longest bar needn't point at the goal. Why not?</summary>
+# A bar scores a point up to 3 m away, which may lie beyond the goal. Near the goal, $\mathcal F_R$ decides, not $\mathcal F_S$.
 # </details>
 #
 # ## 3 · Where does it go on?
@@ -332,10 +332,10 @@ show(side_by_side(panels, titles))
 #
 # $$ g_k = \big[\, \ell(p_k) \le 1.05\, r \,\big], \qquad p_k = r\,(\cos 30° k,\ \sin 30° k), $$
 #
-# where $\ell$ is the length of the shortest path from the robot on that map, infinite if there's none.
+# where $\ell$ is the length of the shortest path from the robot to a point on that map, infinite if there's none.
 #
 # <details><summary>Why not just ask whether the point is visible? Or whether any path leads there?</summary>
-# A robot has a width: it may see the point through a gap in which it gets stuck. And a door post that covers the line by a hand's breadth does no harm, since a small detour leads around it. But a path that leaves by another door and goes around the house says nothing about <i>this</i> direction.
+# A robot has a width: it may see the point through a gap in which it would get stuck. And a doorpost that blocks the line by a hand's breadth does no harm, since a small detour leads around it. But a path that leaves by another door and goes around the house says nothing about <i>this</i> direction.
 # </details>
 #
 # ### Exercise 1 · `explorable` (easy, 10 minutes)
@@ -344,7 +344,7 @@ show(side_by_side(panels, titles))
 #
 # <details><summary>Hint 1: concept</summary>Twelve points on a circle, the cell of each, and a comparison of twelve lengths with one number.</details>
 # <details><summary>Hint 2: approach</summary>np.arange(12) * np.pi / 6 are the bearings. Their cosines, times the radius, divided by CELL, and rounded, are columns counted from the middle; sines give rows. An array of rows and one of columns index twelve cells at once.</details>
-# <details><summary>Hint 3: one line</summary>np.rint(...).astype(int) makes whole numbers of an array; table[rows, columns] looks up as many entries as rows has.</details>
+# <details><summary>Hint 3: one line</summary>np.rint(...).astype(int) turns an array into whole numbers; table[rows, columns] looks up as many entries as rows has.</details>
 
 
 # %% exercise="explorable"
@@ -430,11 +430,11 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps every other direction that's free for a metre on a [[reserve list]], an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has none; section 9 shows what that costs.
+# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps any further direction that's free for a metre on a [[reserve list]], an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has no such list; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
-# Your robot stood at node 0, drove to the ghost in 0's direction 2, and looked around. Now node 1 is there. Each node counts directions from its own heading, the blue arrowhead. The ghosts of both are purple.
+# Your robot stood at node 0, drove to its ghost in direction 2, and looked around. Now node 1 is there. Each node counts directions from its own heading, the blue arrowhead. The ghosts of both are purple.
 
 
 # %% hidden=true
@@ -477,18 +477,18 @@ display(gone)
 # When a node is added, three things happen:
 #
 # 1. the new node gets a ghost in each direction that leads on;
-# 2. it gets none in a direction in which another node stands;
-# 3. and *that* node loses its ghost in the direction in which the new one stands.
+# 2. it gets none in a direction where another node stands;
+# 3. and *that* node loses its ghost in the direction of the new one.
 #
-# So a ghost always stands for something unexplored. Each edge stores the pose of one end in the frame of the other. That's a few metres of odometry, so drift doesn't add up over the building.
+# So a ghost always stands for something unexplored. Each edge stores the pose of one end in the frame of the other. That's a few metres of odometry, so drift doesn't add up across the building.
 #
 # ### Exercise 2 · `add_ghosts` (medium, 12 minutes)
 #
 # A node stands in the direction whose bin is nearest to its bearing, `np.arctan2(y, x)`. Bins are 30° wide and centred on multiples of 30°; a bearing of 350° is in bin 0, and so is one of −10°.
 #
-# <details><summary>Hint 1: concept</summary>Begin with a copy of the ghosts, add, then take away: for every node beside the new one two ghosts may have to go, one on either side.</details>
-# <details><summary>Hint 2: approach</summary>For each other node and pose: the new node sees it at pose, and it sees the new node at inverse(pose). In both cases the first two numbers are a place, the bearing of which is rounded to a bin. A set's method discard does nothing where the ghost is not there.</details>
-# <details><summary>Hint 3: one line</summary>Bins from a bearing b in radians: round(b * 6 / np.pi) goes from -6 to 6; what makes 11 of -1 and 0 of 12?</details>
+# <details><summary>Hint 1: concept</summary>Begin with a copy of the ghosts, add, then take away: for every node beside the new one, two ghosts may have to go, one at each end.</details>
+# <details><summary>Hint 2: approach</summary>For each node in beside, with its pose: the new node sees it at pose, and it sees the new node at inverse(pose). In both cases the first two numbers are a place, whose bearing is rounded to a bin. A set's discard method does nothing if the ghost isn't there.</details>
+# <details><summary>Hint 3: one line</summary>Bins from a bearing b in radians: round(b * 6 / np.pi) goes from -6 to 6; what turns -1 into 11 and 12 into 0?</details>
 
 
 # %% exercise="add_ghosts"
@@ -517,7 +517,7 @@ add_ghosts = check_add_ghosts.use(add_ghosts)
 # %% [markdown]
 # ### Find the bug
 #
-# A colleague has written the removal at both ends of an edge. Her robot explores, but it keeps going back to places where it has been. Her test passed, in a long corridor. What's wrong?
+# A colleague's code removes the ghosts at both ends of an edge. Her robot explores, but keeps going back to places where it's been. Her test, in a long corridor, passed. What's wrong?
 
 
 # %%
@@ -548,12 +548,12 @@ print(f"the two nodes of an edge are turned by {np.rad2deg(np.mean(turned)):.0f}
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>there + 6</code> is the opposite direction <i>in the frame of the first node</i>. The second node counts from its own heading: it sees the first one in the direction of <code>inverse(pose)</code>. In a straight corridor both look the same way, and so her test passed. Elsewhere a wrong ghost goes: a door that nobody has looked behind. And the ghost that points back to where the robot came from stays, so the robot faithfully returns there. Nothing crashes. What finds such bugs is an invariant that's tested after every step: <i>in the direction of a neighbour there's no ghost</i>.
+# <code>there + 6</code> is the opposite direction <i>in the frame of the first node</i>. The second node counts from its own heading: it sees the first one in the direction of <code>inverse(pose)</code>. In a straight corridor both face the same way, so her test passed. Elsewhere, the wrong ghost goes: a door that nobody has looked behind. And the ghost that points back to where the robot came from stays, so the robot faithfully returns there. Nothing crashes. An invariant tested after every step finds such bugs: <i>in the direction of a neighbour there's no ghost</i>.
 # </details>
 #
 # ## 5 · Which one next?
 #
-# The robot has to choose. Three of its ghosts have their scores beside them.
+# The robot has to choose. Three of its ghosts are labelled with their scores.
 
 
 # %% hidden=true
@@ -631,25 +631,25 @@ display(where)
 #
 # $$ \text{long-term goal} = \begin{cases} \text{the node of the goal} & \text{if } \mathcal F_L \text{ finds it,}\\ \arg\max_{x \in X} s(x) & \text{otherwise.} \end{cases} $$
 #
-# Dijkstra's algorithm finds the shortest path over the graph, and the robot drives to the next node on it. From the ghost's node it drives to the ghost.
+# Dijkstra's algorithm finds the shortest path through the graph, and the robot drives to the next node on it. From the ghost's node, it drives to the ghost.
 #
-# So only the best score counts: a ghost at the other end of the building with 0.71 beats one ahead with 0.70. Later work, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), adds the cost of the path. With $\ell$ for the metres along the graph to the ghost's node,
+# So only the best score counts: a ghost at the other end of the building with 0.71 beats one ahead with 0.70. Later work, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), also counts the cost of the path. With $\ell$ for the metres along the graph to the ghost's node,
 #
 # $$ \arg\max_{x \in X}\; s(x) - w\, \frac{\ell(x)}{20\ \text{m}} , $$
 #
 # and $w = 0$ is the paper's rule.
 #
 # <details><summary>If the scores were exact, which w would be best? And if they were noise?</summary>
-# Exact scores: the whole path is the metres to the ghost and 20 m (1 − s) from there on, so both count the same: w = 1 (but for the 3 m from node to ghost). Noise: then nothing but the cost is known, and a large w, which goes to the nearest ghost, at least doesn't drive to and fro. In between it has to be chosen, on worlds that aren't the test worlds.
+# Exact scores: the whole path is the metres to the ghost plus 20 m (1 − s) from there on, so both count the same: w = 1 (but for the 3 m from node to ghost). Noise: only the cost is known, and a large w, which picks the nearest ghost, at least avoids going to and fro. In between, w has to be tuned, but not on the test worlds.
 # </details>
 #
 # ### Exercise 3 · `global_policy` (medium, 10 minutes)
 #
-# `graph` is an undirected graph of networkx; `graph[v][w]["metres"]` is the length of an edge. You may use its algorithms: `nx.shortest_path(graph, v, w, weight="metres")` and `nx.single_source_dijkstra_path_length(graph, v, weight="metres")`.
+# `graph` is an undirected networkx graph; `graph[v][w]["metres"]` is the length of an edge. You may use networkx's algorithms: `nx.shortest_path(graph, v, w, weight="metres")` and `nx.single_source_dijkstra_path_length(graph, v, weight="metres")`.
 #
-# <details><summary>Hint 1: concept</summary>First the end of the path (the node of the goal, or that of the best ghost), then the path, then its next node.</details>
-# <details><summary>Hint 2: approach</summary>max(ghosts, key=value) finds the best ghost, with a function value(ghost) of its score and the metres to its node. Two cases need care: no ghost and no goal; and a path of one node, where the robot is at the end already.</details>
-# <details><summary>Hint 3: one line</summary>path[:2] has one or two nodes; which of them is the next one in both cases? And: 0 is a node, so ask "goal is None".</details>
+# <details><summary>Hint 1: concept</summary>First find the end of the path (the goal's node, or the best ghost's), then the path, then its next node.</details>
+# <details><summary>Hint 2: approach</summary>max(ghosts, key=value) finds the best ghost if value(ghost) combines its score and the metres to its node. Two cases need care: no ghost and no goal; and a path of one node, where the robot is already at the end.</details>
+# <details><summary>Hint 3: one line</summary>path[:2] has one or two nodes; which of them is the next one in both cases? And 0 is a node, so test "goal is None".</details>
 
 
 # %% exercise="global_policy"
@@ -689,21 +689,21 @@ global_policy = check_global_policy.use(global_policy)
 #
 # ### What's a find worth?
 #
-# *Success* alone doesn't say whether a robot searched or knew. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, else 0. With $\ell_i$ for the shortest path and $p_i$ for what was travelled,
+# *Success* alone doesn't say whether a robot searched or knew the way. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, else 0. With $\ell_i$ for the shortest path and $p_i$ for the distance travelled,
 #
 # $$ \text{SPL} = \frac1N \sum_i S_i\, \frac{\ell_i}{\max(p_i, \ell_i)} . $$
 #
-# In a small flat, whoever searches long enough comes past the goal: then success is high, and SPL is low.
+# In a small flat, whoever searches long enough passes the goal: success is high, but SPL is low.
 #
 # <details><summary>Why the maximum?</summary>
-# A robot may stop 1 m before the goal, and so travel <i>less</i> than the shortest path. Without the maximum, one lucky episode would pay for another.
+# A robot may stop 1 m short of the goal, and so travel <i>less</i> than the shortest path. Without the maximum, one lucky episode would make up for a bad one.
 # </details>
 #
 # ### Exercise 4 · `spl` (easy, 4 minutes)
 #
-# <details><summary>Hint 1: concept</summary>A ratio for each episode, zero where it failed, and the mean of all.</details>
-# <details><summary>Hint 2: approach</summary>np.maximum compares two arrays, number by number. True counts as 1 and False as 0 in a product.</details>
-# <details><summary>Hint 3: one line</summary>np.mean(a * b) is the mean of products; what are a and b here?</details>
+# <details><summary>Hint 1: concept</summary>A ratio for each episode, zero where it failed, and the mean over all.</details>
+# <details><summary>Hint 2: approach</summary>np.maximum compares two arrays, element by element. True counts as 1 and False as 0 in a product.</details>
+# <details><summary>Hint 3: one line</summary>np.mean(a * b) is the mean of the products; what are a and b here?</details>
 
 
 # %% exercise="spl"
@@ -726,15 +726,15 @@ spl = check_spl.use(spl)
 # %% [markdown]
 # ### The loop
 #
-# A `robot` answers the four questions where it stands, and drives where you say. Each drive takes as many of its 500 actions as it needs.
+# A `robot` answers the four questions where it stands, and drives where you tell it. Each drive takes as many of its 500 actions as it needs.
 #
 # | call | what it does |
 # |---|---|
 # | `robot.steps` | the number of actions left; 0 once it has stopped |
-# | `robot.sees_goal()` | $\mathcal F_L$: whether it sees the goal's place |
-# | `robot.to_goal()` | drives there by $\mathcal F_R$ and stops; returns True, or False if it took something else for the goal |
-# | `robot.node()` | $\mathcal F_L$: the number of the node in which it is, or None |
-# | `robot.beside()` | poses, in its frame, of the nodes beside it, the last one included, as `add_ghosts` takes them |
+# | `robot.sees_goal()` | $\mathcal F_L$: whether it sees the goal |
+# | `robot.to_goal()` | drives to the goal by $\mathcal F_R$ and stops; returns True, or False if it mistook something else for the goal |
+# | `robot.node()` | $\mathcal F_L$: the number of the node it's in, or None |
+# | `robot.beside()` | poses, in its frame, of the nodes beside it, including the one it came from, as `add_ghosts` takes them |
 # | `robot.explorable()`, `robot.scores()` | $\mathcal F_G$ and $\mathcal F_S$: arrays (12,) |
 # | `robot.remember(node)` | keeps what it sees here as the panorama of a new node; number them 0, 1, 2, … |
 # | `robot.to_node(node)` | drives to a neighbour of the node where it is |
@@ -744,18 +744,18 @@ spl = check_spl.use(spl)
 #
 # Round by round, until `robot.steps` is 0:
 #
-# 1. If it sees the goal: drive there; if that returns True, you're done. Otherwise go on below.
-# 2. In which node is it? If in none, **or if it's just arrived at a ghost**, it makes a new one: a node of the graph, an edge with its `metres` to each node beside it, the ghosts by `add_ghosts`, and a score for each of its directions; then `remember`.
+# 1. If it sees the goal, drive there; if that returns True, you're done. Otherwise, go on to step 2.
+# 2. Which node is it in? If none, **or if it's just arrived at a ghost**, make a new one: a node of the graph, an edge with its `metres` to each node beside it, the ghosts by `add_ghosts`, and a score for each of its directions; then `remember`.
 # 3. Ask `global_policy`, without a goal, for the next node. If no ghost is left, you're done. If the next node is another one, drive there, and begin the next round.
-# 4. Otherwise the ghost hangs on this node: drive to it. Whether it arrives or not, remove the ghost: it's explored, or can't be reached.
+# 4. Otherwise, the ghost belongs to this node: drive to it. Reached or not, remove the ghost: it's explored, or can't be reached.
 #
 # <details><summary>Which of these rules aren't the paper's?</summary>
-# Two in step 2: an edge to <i>each</i> node beside it, and a node at a ghost even where F_L has the robot in the old one. Three metres may be visible from there, but what lies behind isn't.
+# Two in step 2: an edge to <i>each</i> node beside it, and a node at a ghost even where F_L has the robot in the old one. The old node may see those three metres, but not what lies behind.
 # </details>
 #
 # <details><summary>Hint 1: concept</summary>Four things are remembered from round to round: the graph, the ghosts, the scores, and whether the robot has just arrived at a ghost.</details>
-# <details><summary>Hint 2: approach</summary>The number of a new node is the number of nodes so far. Call robot.beside() before robot.remember(node), and add_node before the edges: the first node has none beside it. scores is a dictionary with the key (node, direction) for all 12 directions of every node. After to_node it has not arrived at a ghost.</details>
-# <details><summary>Hint 3: one line</summary>graph.add_edge(v, w, metres=...) makes an edge; np.hypot(x, y) is the length of a pose's place; ghosts - {one} is a set without one of them.</details>
+# <details><summary>Hint 2: approach</summary>The number of a new node is the number of nodes so far. Call robot.beside() before robot.remember(node), and add_node before the edges: the first node has none beside it. scores is a dictionary with keys (node, direction), for all 12 directions of every node. After to_node, the robot has not arrived at a ghost.</details>
+# <details><summary>Hint 3: one line</summary>graph.add_edge(v, w, metres=...) makes an edge; np.hypot(x, y) is how far away a pose is; ghosts - {one} is the set without that ghost.</details>
 
 
 # %% exercise="explore"
@@ -799,11 +799,11 @@ explore = check_explore.use(explore)
 
 
 # %% [markdown]
-# Now your loop drives eight hard episodes, and so do four others:
+# Now your loop drives eight hard episodes, and so do four other agents:
 #
 # - a **random walk** drives to random places in sight until it sees the goal;
-# - **frontier exploration** makes a metric map, and goes to the nearest place where the known part ends;
-# - the **library's agent** also asks $\mathcal F_L$ on the way, and has the reserve list;
+# - **frontier exploration** builds a metric map, and goes to the nearest place where the known part ends;
+# - the **library's agent**, unlike your loop, asks $\mathcal F_L$ on the way and has the reserve list;
 # - an **oracle** knows the building.
 #
 # All but the oracle recognise the goal the same way. Watch the last column.
@@ -864,11 +864,11 @@ view.goal(picture, hard.goals[number, :2])
 show(stacked([picture], ["Your loop's graph; the arrow is the start"]))
 
 # %% [markdown]
-# Eight episodes aren't many: next door, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the page of results has twenty buildings, beside the paper's numbers. There frontier exploration with a learned choice beats the ghosts: our buildings are flat, and depth all around makes a metric map easy. In the paper's scanned homes the ghosts win. An advantage that depends on the world is no law.
+# Eight episodes aren't many: in another building, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the page of results covers twenty buildings, next to the paper's numbers. There, frontier exploration with a learned choice beats the ghosts: our buildings are flat, and 360° depth makes a metric map easy. In the paper's scanned homes, the ghosts win. An advantage that depends on the world is no law.
 #
 # ## 7 · What does the score know?
 #
-# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours hasn't: accents on the walls. Their hue changes from one end to the other, as in a hospital. We call such buildings [[wayfinding]], and those without accents [[plain]].
+# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours doesn't: accents on the walls. Their hue changes from one end to the other, as in a hospital. We call such buildings [[wayfinding]], and those without accents [[plain]].
 
 # %% hidden=true
 # The same flat with and without accents
@@ -879,7 +879,7 @@ both = side_by_side(plans, ["plain", "wayfinding"], height=300)
 show(side_by_side([both, stacked(images, ["the hallway, plain", "wayfinding"])], gap=10))
 
 # %% [markdown]
-# How would you find out what a score knows? Not by comparing it with chance: without ever looking at the goal, a network can learn that hallways lead on and closets don't. So train a second one **blind**, without the goal's panorama, and let both choose a direction at the same places. Only the difference is knowledge of the goal. A choice is right if its path is at most half a metre longer than the best one. *Easy* goals are 1.5 to 3 m away, *medium* ones 3 to 5 m, *hard* ones 5 to 10 m.
+# How would you find out what a score knows? Not by comparing it with chance: without ever looking at the goal, a network can learn that hallways lead on and closets don't. So train a second one **blind**, without the goal's panorama, and let both choose a direction at the same places. Only their difference is knowledge of the goal. A choice is right if its path is at most half a metre longer than the shortest one. *Easy* goals are 1.5 to 3 m away, *medium* ones 3 to 5 m, *hard* ones 5 to 10 m.
 
 # %% hidden=true
 # Both networks on the same decisions in twenty test worlds
@@ -937,21 +937,21 @@ blind = Prediction(
 display(blind)
 
 # %% [markdown]
-# So in a plain building, far from the goal, the score is habit: it knows which direction leads *out*. With accents it compares hues, and knows which way is nearer. Thin lines are 95 % intervals.
+# So in a plain building, far from the goal, the score is mere habit: it knows which direction leads *out*. With accents, it compares hues, and knows which direction leads closer. Thin lines are 95 % intervals.
 #
-# <details><summary>What are the differences in points?</summary>
-# On <b>easy</b> decisions the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones in plain buildings it is worth nothing, and with wayfinding accents it is worth 8 points. These are decisions whose goal is in another node, since F_S is asked only there (4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">page of results</a> has all of them.
+# <details><summary>How large are the differences, in points?</summary>
+# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are in another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">page of results</a> has the rest.
 # </details>
 # <details><summary>Would better eyes help?</summary>
-# Hardly. Two models (trees with gradient boosting) are told the kinds of rooms and all distances, so nobody has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions: next to nothing. In <b>wayfinding</b> buildings the gain is 25 points, 29 and 16: both models read the hues, too. On hard ones the model with the goal finds the best direction in 70 % of all decisions, and in 51 % in plain buildings. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
+# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions, next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard ones, the model that knows the goal finds the best direction in 70 % of all decisions, and in 51 % in plain buildings. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
 # </details>
 # <details><summary>Then why does F_S help in the paper, whose homes have no accents?</summary>
-# A likely reason: homes aren't drawn at random. A bathroom is next to bedrooms, a kitchen beside the dining room, and wherever the places of rooms depend on their kinds, kinds say something about places. In its Table 1 the advantage over the next best agent is largest on hard episodes. It's the <i>buildings</i> that carry the semantics; a network can only find them there.
+# A likely reason: homes aren't laid out at random. A bathroom is next to bedrooms, a kitchen next to the dining room, and wherever a room's place depends on its kind, its kind says something about places. In the paper's Table 1, the advantage over the next best agent is largest on hard episodes. It's the <i>buildings</i> that carry the semantics; a network can only pick up what's there.
 # </details>
 #
 # ### Ten goals in a row
 #
-# This is the twin of the paper's Fig. 8. The robot gets ten goals in a row, each 1.5 to 5 m from the last, and keeps its graph. Two others lack a part: *no graph* takes the best score in sight and remembers nothing, and *no score* picks a ghost at random. Watch which part is missed where.
+# This is the twin of the paper's Fig. 8. The robot gets ten goals in a row, each 1.5 to 5 m from the last, and keeps its graph. Two others each lack a part: *no graph* takes the best score in sight and remembers nothing, and *no score* picks a ghost at random. Watch which part matters where.
 
 # %% hidden=true
 # The twin of Fig. 8, from a stored run
@@ -980,11 +980,11 @@ axes[0].legend(loc="lower left", fontsize=11)
 show(from_figure(figure))
 
 # %% [markdown]
-# In plain buildings the graph pays more after the first goal, as in the paper: by then it knows something. Where accents lead the way, the best score in sight is enough. The gap to *no score* grows here, and in the paper it shrinks; we haven't measured why. The [page of results](../tutorial_lib/results/README.md#fig-8-goals-one-after-another) has the numbers, and the paper's [other figures](../tutorial_lib/results/README.md#figs-3-4-9-and-10-examples).
+# In plain buildings, the graph pays off more after the first goal, as in the paper: by then it knows something. Where accents lead the way, the best score in sight is enough. The gap to *no score* grows here, but shrinks in the paper; we haven't tested why. The [page of results](../tutorial_lib/results/README.md#fig-8-goals-one-after-another) has the numbers, and the paper's [other figures](../tutorial_lib/results/README.md#figs-3-4-9-and-10-examples).
 #
 # ## 8 · Your own score
 #
-# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. It earns **100 · SPL** on hard episodes in four buildings that it has never seen, two of them plain. A random ghost earns far less than the library's score, and an oracle nearly 100, so there's room. What you're given about the G ghosts:
+# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. Your score earns **100 · SPL** on hard episodes in four unseen buildings, two of them plain. A random ghost earns far less than the library's score, an oracle nearly 100, so there's room. You're given, for G ghosts:
 #
 # | each is (G,) | |
 # |---|---|
@@ -993,7 +993,7 @@ show(from_figure(figure))
 # | `turn` | how far the robot must turn to face it, 0 to π |
 # | `apart` | metres from the ghost to the nearest node |
 # | `crowd` | how many other ghosts are within 1.5 m of it |
-# | `node` | the number of its node; the newest is the highest |
+# | `node` | the number of its node; the newest has the highest |
 # | `spare` | True if it's from the reserve list; when no ghost is left, the whole list turns into ghosts, and `spare` is False |
 
 # %%
@@ -1115,12 +1115,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good scores, quite different; enter yours first</summary>
-# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the price of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: to turn round costs up to 18 actions, and a robot that follows every small difference of two scores goes to and fro. Both lead, by a few points on forty goals. In other buildings the order may change: on the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a>, counting the metres changes nothing measurable.
+# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the cost of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: turning round costs up to 18 actions, and a robot that follows every small difference between two scores goes to and fro. Both lead by a few points on forty goals. In other buildings the order may change: on the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a>, counting the metres makes no measurable difference.
 # </details>
 #
 # ## 9 · How it ends
 #
-# Your loop and the library's agent look for sixteen hard goals in two more buildings. The pictures show the failures: blue is the start, vermilion the end, green the goal. Ask of each: was it the score, the graph, or the recognition of the goal?
+# Your loop and the library's agent look for sixteen hard goals in two more buildings. The pictures show the failures: blue is the start, vermilion the end, green the goal. Ask of each: was it the score, the graph, or goal recognition?
 
 # %% hidden=true
 # The library's agent on hard episodes of two more buildings (about 10 s)
@@ -1168,12 +1168,12 @@ show(stacked(rows)) if rows else print("None failed; draw more episodes.")
 
 # %% [markdown]
 # <details><summary>What causes them?</summary>
-# <b>Out of steps</b> is the most frequent end: scores of far places are guesses, and a robot that follows the best guess goes to and fro between ghosts with similar scores; or the score is wrong for good, and the robot is thorough in the wrong wing. So does a robot that passes the goal and doesn't see it: behind furniture, a goal isn't visible from every place within 3 m. <b>No ghost left</b> happens to your loop, not to the library's: where no direction leads on by the paper's definition (section 3), the loop ends, and the library goes on with its reserve list. <b>Stopped elsewhere</b> can happen if the network takes another place for the goal's (F_L) or its distance is off (F_R); mostly such beliefs are corrected on the way, from nearer by.
+# <b>Out of steps</b> is the most frequent end. Scores of far places are guesses, and a robot that follows the best guess goes to and fro between ghosts with similar scores; or the score stays wrong, and the robot is thorough in the wrong wing. A robot that passes the goal without seeing it ends like this, too: behind furniture, a goal isn't visible from every place within 3 m. <b>No ghost left</b> happens to your loop, not to the library's agent: where no direction leads on by the paper's definition (section 3), your loop ends, and the agent goes on with its reserve list. <b>Stopped elsewhere</b> can happen if the network mistakes another place for the goal's (F_L) or gets its distance wrong (F_R); mostly, such errors are corrected on the way, at closer range.
 # </details>
 #
 # ## 10 · The next evening
 #
-# When the episode ends, the robot forgets the flat. What a waste! Its run is a drive like those of notebook 05, and 06's agent can learn it. Cut two images out of each panorama, one ahead and one **over the shoulder**, and it also knows the way back. On the next visit it plans over that map, and where the planner refuses, today's explorer takes over.
+# When the episode ends, the robot forgets the flat. What a waste! Its run is a drive like those of notebook 05, and 06's agent can build a map from it. Cut two images out of each panorama, one ahead and one **over the shoulder**, and it also knows the path back. On the next visit it plans over that map, and when the planner refuses, today's explorer takes over.
 #
 # Here are second visits to twenty plain buildings. The robot passed some of the goals on its first visit.
 
@@ -1225,7 +1225,7 @@ together = Prediction(
 display(together)
 
 # %% [markdown]
-# Elsewhere, the planner refuses, and both together do what the explorer does alone; the [page of results](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch it in your friend's flat.
+# For goals elsewhere, the planner refuses, and both together do as well as the explorer alone; the [page of results](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch your robot in your friend's flat.
 
 # %% hidden=true
 # A first visit with six goals; then passed ones, and one that was not (about 5 s)
@@ -1262,31 +1262,31 @@ rows = [side_by_side(shots[j : j + 3], titles[j : j + 3], height=290) for j in (
 show(stacked(rows))
 
 # %% [markdown]
-# The arrow is the start. Each title counts a drive's actions, and how many of them followed the map.
+# The arrow is the start. Each title gives a drive's actions, and how many of them followed the map.
 #
-# **Close it and draw the pipeline**, with your function names: from a panorama to *stop*.
+# **Close the notebook and draw the pipeline**, with your function names: from a panorama to *stop*.
 #
 # After this notebook you can
 #
 # - say what a robot must predict to find a place in a building it has never entered;
-# - find the directions in which a place leads on, and keep the ghosts of a graph in order;
+# - find the directions that lead on from a place, and keep a graph's ghosts up to date;
 # - choose where to explore, and write the loop of an exploring robot;
-# - measure exploration by success *and* SPL, between a random walk and an oracle;
-# - find out whether a score knows anything: train it blind, and compare.
+# - measure exploration by success *and* SPL, against a random walk and an oracle;
+# - find out whether a score knows anything: train one blind, and compare.
 #
 # <details><summary>What's ours</summary>
-# Ghosts, the four functions and the global policy are the paper's. But a paper leaves gaps, and some of its rules we've changed; the <a href="../tutorial_lib/results/README.md#what-is-ours-in-nts">page of results</a> has the whole list with its numbers.
+# Ghosts, the four functions and the global policy are the paper's. But a paper leaves gaps, and we've changed some of its rules; the <a href="../tutorial_lib/results/README.md#what-is-ours-in-nts">page of results</a> has the whole list with its numbers.
 # <ul>
-# <li><b>Am I here?</b> The robot asks F_L about its own node first, then about at most four nearby. The paper asks about every node. In validation buildings there was no difference.</li>
+# <li><b>Am I here?</b> The robot asks F_L about its own node first, then about at most four nearby. The paper asks about every node. In validation buildings it made no difference.</li>
 # <li><b>Edges to a known node</b> get their pose from F_R; the paper takes odometry. No difference either.</li>
-# <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. This one matters: without it, hard goals fall from 71 to 39 % in plain buildings, and from 88 to 37 % in wayfinding ones.</li>
-# <li><b>Where ghosts go:</b> a node within a metre removes them, and so does one in sight that has no edge. When none are left, there's the reserve list.</li>
-# <li><b>The goal:</b> several guesses of its place are averaged, a place where it isn't seen is refused, and the robot stops at 0.6 m by its own estimate.</li>
-# <li><b>The network</b> matches the columns of two panoramas and learns more than the paper's five losses, among them the order of the directions.</li>
-# <li><b>The world</b> is flat and generated. The course's car explores, too, and finds as many goals; only its turns cost metres.</li>
+# <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. This rule matters: without it, success on hard goals falls from 71 to 39 % in plain buildings, and from 88 to 37 % in wayfinding ones.</li>
+# <li><b>When ghosts go:</b> a node within a metre removes them, and so does one in sight in their direction, even without an edge. When none are left, there's the reserve list.</li>
+# <li><b>The goal:</b> several guesses of its place are averaged, a place where it isn't seen is rejected, and the robot stops 0.6 m away by its own estimate.</li>
+# <li><b>The network</b> matches the columns of two panoramas and learns from more than the paper's five losses, among them one for the order of directions.</li>
+# <li><b>The world</b> is flat and generated. The course's car explores, too, and finds as many goals; its turns just cost metres.</li>
 # </ul>
 # </details>
 #
-# **Extras, if you like.** Call `global_policy` with `weight=0.3` in `explore`: do detours get shorter? Give `explore` a reserve list, of the directions in which `robot.explorable()` is False: what does it save? On frontiers read B. Yamauchi, [*A Frontier-Based Approach for Autonomous Exploration*](https://doi.org/10.1109/CIRA.1997.613851), CIRA 1997.
+# **Extras, if you like.** Call `global_policy` with `weight=0.3` in `explore`: do detours get shorter? Give `explore` a reserve list of the directions in which `robot.explorable()` is False: what does that save? On frontiers, read B. Yamauchi, [*A Frontier-Based Approach for Autonomous Exploration*](https://doi.org/10.1109/CIRA.1997.613851), CIRA 1997.
 #
-# Tonight your robot found its way in a flat that it had never seen, and on its second visit it remembered the first. But only that one: what it sees on the second visit is lost again. After ten days in a building, it would know what it knew after one. In notebook 10 it remembers all ten.
+# Tonight your robot found its way in a flat it had never seen, and on its second visit it remembered the first. But only that one: what it sees on the second is lost again. After ten days in a building, it would know only what it knew after one. In notebook 10, it remembers all ten.

@@ -3,9 +3,9 @@
 #
 # **Ten photos, one life.** You've moved in together. Every evening you hold up a photo, and your robot drives there from wherever it stands. Nobody tells it where it is, and its odometry drifts all its life.
 #
-# Two robots try, with yesterday's ghosts. One **keeps its map** from visit to visit. The other **forgets** everything with each new photo. On their first three visits they're about equal. *And on the last three?*
+# Two robots try, both with yesterday's ghosts. One **keeps its map** from visit to visit. The other **forgets** everything with each new photo. On their first three visits, they're about equal. *And on the last three?*
 #
-# By the end your robot will keep its map and profit from it, with three functions of yours. Then you'll build your own, for the race.
+# By the end, your robot will keep its map and profit from it, with three functions of yours. Then you'll build your own robot for the race.
 
 # %% hidden=true
 # Ten goals in your flat (about 20 s)
@@ -135,18 +135,18 @@ memory = Prediction(
 display(memory)
 
 # %% [markdown]
-# **75 minutes.** Section 6 is for a second sitting. You need notebooks 01 and 09: frames, and the ghosts. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We leave our three papers here, though the robot still comes from D. S. Chaplot et al., [*Neural Topological SLAM*](https://arxiv.org/abs/2005.12256), CVPR 2020. Matching scans is an older art: E. Olson, [*Real-Time Correlative Scan Matching*](https://doi.org/10.1109/ROBOT.2009.5152375), ICRA 2009.
+# **75 minutes.** Section 6 is for a second sitting. You need notebooks 01 and 09: frames and ghosts. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We leave our three papers here, though the robot still comes from D. S. Chaplot et al., [*Neural Topological SLAM*](https://arxiv.org/abs/2005.12256), CVPR 2020. Matching scans is an older art: E. Olson, [*Real-Time Correlative Scan Matching*](https://doi.org/10.1109/ROBOT.2009.5152375), ICRA 2009.
 #
 # **Three old questions first.**
 #
 # <details><summary>Notebook 09: what does an edge between two nodes store?</summary>
-# The pose of one in the frame of the other, by odometry. It's a few metres, so drift is small. <i>Is it?</i>
+# The pose of one in the frame of the other, by odometry. They're a few metres apart, so drift is small. <i>Is it?</i>
 # </details>
 # <details><summary>Notebook 08: an edge of the map is wrong. How does the robot find out?</summary>
-# It drives there, and fails; each failure lowers its belief in the edge.
+# It drives along the edge, and fails; each failure lowers its belief in it.
 # </details>
 # <details><summary>Notebook 01: <code>compose(a, b)</code> is a pose. Of what, in which frame?</summary>
-# Of whoever is at b as seen from a, in the frame in which a is given. The order counts.
+# Of whatever is at b as seen from a, in the frame in which a is given. The order matters.
 # </details>
 #
 # ## 1 · One life
@@ -243,15 +243,15 @@ compass = Prediction(
 display(compass)
 
 # %% [markdown]
-# Vermilion nodes are more than a metre off; the thin lines lead to where they really are. An edge is still a few metres of odometry. But each was recorded with a different heading error, and a chain of edges adds them all. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
+# Vermilion nodes are more than a metre off; the thin lines lead to where they really are. An edge still spans a few metres of odometry. But each was recorded with a different heading error, and a chain of edges adds them up. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
 #
-# What's odd? The robot passes its old nodes all the time. It *recognises* them, by $\mathcal F_L$. But recognising a place isn't enough to say *how you stand in it*.
+# What's odd? The robot passes its old nodes all the time. It *recognises* them, by $\mathcal F_L$. But recognising a place doesn't tell you *your pose in it*.
 #
 # ## 2 · What the walls say
 #
-# The panorama has depth, so each node also keeps a **[[scan]]**: the metres to the wall in 192 directions. When the robot is near that node again, its own scan shows the same walls, from a metre aside and turned. Push one onto the other, and you know where the robot is. That's a **[[scan match]]**, and closing a circle with it is a **[[loop closure]]**.
+# The panorama has depth, so each node also keeps a **[[scan]]**: the distance to the wall in 192 directions. When the robot is near that node again, its own scan shows the same walls, from a metre away and turned. Align the two, and you know where the robot is. That's a **[[scan match]]**; back at an old node, it gives you a **[[loop closure]]**.
 #
-# Grey is a node and its scan, blue the robot and its own. In all three places blue is **half a metre wrong**.
+# Grey is a node and its scan, blue the robot and its own. In all three places, blue is **half a metre off**.
 
 
 # %% hidden=true
@@ -366,19 +366,19 @@ slides = Prediction(
 display(slides)
 
 # %% [markdown]
-# A corridor **slides**: along it, every place looks like the next. A match can be perfect and say nothing. So there are three questions, and each is a function of yours: where do the scans fit? Can that be believed? And what follows for the robot?
+# In a corridor, a scan **slides**: every place looks like the next. A match can be perfect and say nothing. So there are three questions, each for a function of yours: where do the scans fit? Can that be believed? And what follows for the robot?
 #
 # One thing is given: `fit(node, seen, poses)` scores poses (P, 3), each from 0 to 1. A score of 1 means that blue lies on grey, and grey on blue.
 #
 # ### Exercise 1 · `match` (large, 30 minutes)
 #
-# Odometry gives a guess of the robot's pose in the node's frame. It's at most 0.5 m and 15° off. Find the pose near it that fits best, to 0.1 m and 3°.
+# Odometry gives a guess of the robot's pose in the node's frame. The guess is at most 0.5 m and 15° off. Find the pose near it that fits best, to within 0.1 m and 3°.
 #
 # Trying everything in steps of 5 cm and 1° would take 13,000 poses. Your robot matches hundreds of times in its life, so you can afford about a thousand poses each time. How do you get up the hill? There's more than one way.
 #
-# <details><summary>Hint 1: concept</summary>The hill is wide enough to be seen from 0.15 m and 5° beside its top. So look coarsely first, then again around the best so far, more finely.</details>
-# <details><summary>Hint 2: approach</summary>Five steps in each of x, y and heading are 125 poses: np.meshgrid or three loops make them. Take the best with argmax, halve the steps, and repeat a few times. What you try first must reach 0.5 m and 15°; the last steps must be finer than 0.1 m and 3°.</details>
-# <details><summary>Hint 3: one line</summary>np.stack(np.meshgrid(a, b, c), axis=-1).reshape(-1, 3) has a row for each combination of a, b and c. Added to a pose (3,), it's a pose a row.</details>
+# <details><summary>Hint 1: concept</summary>The hill is wide enough to be noticed 0.15 m and 5° from its top. So search coarsely first, then more finely around the best so far.</details>
+# <details><summary>Hint 2: approach</summary>Five values each of x, y and heading give 125 poses: np.meshgrid or three loops make them. Take the best with argmax, halve the steps, and repeat a few times. The first poses must reach 0.5 m and 15°; the last steps must be finer than 0.1 m and 3°.</details>
+# <details><summary>Hint 3: one line</summary>np.stack(np.meshgrid(a, b, c), axis=-1).reshape(-1, 3) has a row for each combination of a, b and c. Added to a pose (3,), it's one pose per row.</details>
 
 
 # %% exercise="match"
@@ -431,11 +431,11 @@ table(
 #
 # `match` always answers. Give it another room's scan, and it'll still return a best pose. So before the robot moves its whole map, ask three things:
 #
-# - **Does it fit at all?** Two rooms never fit well; but something's often hidden, so don't ask for 1.
-# - **Does it slide?** If half a metre aside, in any direction, it fits nearly as well, the match says nothing.
-# - **Is it near the guess?** Odometry is never more than **1 m or 30°** wrong since the last match.
+# - **Does it fit at all?** Two rooms never fit well; but something's often hidden, so don't insist on 1.
+# - **Does it slide?** If it fits nearly as well half a metre away in some direction, the match says nothing.
+# - **Is it near the guess?** Since the last match, odometry has never drifted more than **1 m or 30°**.
 #
-# Here are fits of matches. Where would you draw the lines?
+# Here's how well some matches fit. Where would you draw the lines?
 
 # %% hidden=true
 # Fits at matches: here, and the best half a metre aside
@@ -474,10 +474,10 @@ table(head, rows)
 # %% [markdown]
 # ### Exercise 2 · `accept` (medium, 10 minutes)
 #
-# Write the three tests. The lines are yours to draw, as long as good matches pass and bad ones don't. In doubt, refuse: there'll be another match soon. A bad one, once believed, puts the robot where it isn't.
+# Write the three tests. The lines are yours to draw, as long as good matches pass and bad ones don't. When in doubt, refuse: there'll be another match soon. A bad match, once believed, puts the robot where it isn't.
 #
 # <details><summary>Hint 1: concept</summary>Three conditions, all of which must hold. The second compares two fits, and in a corridor only one direction slides.</details>
-# <details><summary>Hint 2: approach</summary>fit takes poses (P, 3); pose[None] is one of them. For the second test, make poses 0.5 m from pose in 8 directions, and take the best fit. For the third, relative(guess, pose) is the gap; wrap brings the difference of two headings into -180 to 180 degrees.</details>
+# <details><summary>Hint 2: approach</summary>fit takes poses (P, 3); pose[None] is an array of one. For the second test, make poses 0.5 m from pose in 8 directions, and take the best fit. For the third, relative(guess, pose) is the gap; wrap brings a difference of headings into -180 to 180 degrees.</details>
 # <details><summary>Hint 3: one line</summary>np.stack([np.cos(t), np.sin(t), 0 * t], axis=1) has a row for each direction in t; how far do you go?</details>
 
 
@@ -508,13 +508,13 @@ accept = check_accept.use(accept)
 # %% [markdown]
 # ### Exercise 3 · `correct` (easy, 5 minutes)
 #
-# By the match, the robot is at `pose` in the node's frame, and the node is at `node` on the map. Odometry says something else. Find the **correction** $T$ that makes it right, now and from here on:
+# The match puts the robot at `pose` in the node's frame, and the node is at `node` on the map. Odometry says something else. Find the **correction** $T$ that makes it right, now and from here on:
 #
 # $$ T \circ \text{odometry} \;=\; \text{node} \circ \text{pose}. $$
 #
-# <details><summary>Hint 1: concept</summary>The right side is where the robot is on the map. What must stand before the odometry, so that the odometry cancels?</details>
-# <details><summary>Hint 2: approach</summary>compose(a, b) is a ∘ b. Apply the inverse of the odometry from the right, on both sides.</details>
-# <details><summary>Hint 3: one line</summary>compose(x, inverse(x)) is the pose (0, 0, 0), and compose may stand within compose.</details>
+# <details><summary>Hint 1: concept</summary>The right side is where the robot is on the map. What must stand next to the odometry to cancel it?</details>
+# <details><summary>Hint 2: approach</summary>compose(a, b) is a ∘ b. Compose both sides with the inverse of the odometry, from the right.</details>
+# <details><summary>Hint 3: one line</summary>compose(x, inverse(x)) is the pose (0, 0, 0), and compose can be nested.</details>
 
 
 # %% exercise="correct"
@@ -539,7 +539,7 @@ correct = check_correct.use(correct)
 # %% [markdown]
 # ## 4 · Ten visits, again
 #
-# Now your three functions move in. A wrapper keeps a scan every metre. Every half metre it tries the nearest scans: `match`, then `accept`, then `correct`. The robot inside knows nothing of it: **it just gets odometry that doesn't drift.**
+# Now your three functions move in. A wrapper keeps a scan every metre. Every half metre it tries the nearest scans: `match`, then `accept`, then `correct`. The robot inside knows nothing of this: **it just gets odometry that hardly drifts.**
 
 
 # %% hidden=true
@@ -637,7 +637,7 @@ show(
 )
 
 # %% [markdown]
-# A cross is a goal that wasn't found. This is one life, and the worst of four: enough to see how it works, no good for a number. Here are [thirty lives in ten other buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits), where the library closes the loops, at the nodes. Lines are 95 % intervals.
+# A cross is a goal that wasn't found. This is one life, the worst of four: enough to see how it works, but not to measure it. Here are [thirty lives in ten other buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits), where the library closes loops at the nodes. Lines are 95 % intervals.
 
 # %% hidden=true
 # Thirty lives, from the stored results
@@ -662,7 +662,7 @@ show(from_figure(figure))
 # %% [markdown]
 # ## 5 · The race
 #
-# Everyone raced on those thirty lives: the systems of this course, and a **combined** one, `LifelongAgent`, with everything that helped. It closes loops, remembers *every* panorama, drives over a metric map, and counts the metres to a ghost. Here's what it finds again. A goal is *passed* once the robot has been within 1 m.
+# All robots raced on those thirty lives: the systems of this course, and a **combined** one, `LifelongAgent`, with everything that helped. It closes loops, remembers *every* panorama, plans on a metric map, and counts the metres to a ghost. Here's what three of them find again. A goal is *passed* once the robot gets within 1 m of it.
 
 
 # %% hidden=true
@@ -723,7 +723,7 @@ left_over = Prediction(
 display(left_over)
 
 # %% [markdown]
-# So recall is solved, here at least, where depth is exact. What's left is **exploring the rest**. Watch who's better at that.
+# So recall is solved, here at least, where depth is exact. What's left is **exploring the rest**. Watch who's best at that.
 
 # %% hidden=true
 # The race, from the stored results
@@ -745,13 +745,13 @@ few = [RACE[agent, "8-10"]["missed_goals"] for agent in SHOWN]
 table(head, rows, best, f"of 90 goals each; never passed: of {min(few)} to {max(few)}")
 
 # %% [markdown]
-# Ours, the combined robot, doesn't win. A network that picks the next frontier, where the known floor ends, is at least as good in every column: with its panoramas kept, and the same walls. The [page of results](../tutorial_lib/results/README.md#a-life-of-ten-visits) has intervals, ablations, and lives in which somebody carries the robot elsewhere.
+# Ours, the combined robot, doesn't win. A robot that keeps panoramas, matches walls, and lets a network pick the next frontier, where the known floor ends, is at least as good in every column. The [page of results](../tutorial_lib/results/README.md#a-life-of-ten-visits) has intervals, ablations, and lives in which somebody carries the robot elsewhere.
 #
 # ## 6 · Your own robot
 #
-# **An open task.** The next cell *is* a file with a robot in it. Change the class, or write another one: `start`, `look_for` and `act` are all a robot needs. The score is **100 · SPL** over the ten visits above. To beat: the robot of section 1, and then your own of section 4, which is harder.
+# **An open task.** The next cell *is* a file with a robot in it. Change the class, or write another one: `start`, `look_for` and `act` are all a robot needs. The score is **100 · SPL** over the ten visits above. Beat the robot of section 1, then your own from section 4, which is harder.
 #
-# Three ways in: other settings of `LifelongAgent`; what a ghost is worth, `_worth`; and a wrapper around any explorer, such as `ScanCorrected` of `tutorial_lib.agents.scan_corrected`.
+# Three ways to start: other settings of `LifelongAgent`; what a ghost is worth, `_worth`; or a wrapper around any explorer, such as `ScanCorrected` from `tutorial_lib.agents.scan_corrected`.
 
 # %%
 import numpy as np
@@ -798,7 +798,7 @@ display(league.enter("MyRobot", summary(mine)))
 
 # %% [markdown]
 # <details><summary>Two good robots, quite different; enter yours first</summary>
-# <i>Count the metres, and remember every panorama.</i> <code>class MyRobot(LifelongAgent)</code> with its settings as they are (<code>travel=0.02</code>). <i>No ghosts at all.</i> <code>ScanCorrected(FrontierAgent(eyes, recalls=True))</code>: frontiers of a metric map, panoramas kept, walls around it. When we tried them, both got twice the first robot's score on this life, and neither beat section 4 with our functions. So much for one life: on thirty, the combined robot and a frontier robot with walls lead the race.
+# <i>Count the metres, and remember every panorama.</i> <code>class MyRobot(LifelongAgent)</code> with its settings as they are (<code>travel=0.02</code>). <i>No ghosts at all.</i> <code>ScanCorrected(FrontierAgent(eyes, recalls=True))</code>: frontiers of a metric map, panoramas kept, walls matched. When we tried them, both got twice the first robot's score on this life, and neither beat section 4's robot with our functions. So much for one life: on thirty, the combined robot and a frontier robot with walls lead the race.
 # </details>
 #
 # One life is an anecdote. For a row in the real race, open a terminal in the course's folder:
@@ -807,7 +807,7 @@ display(league.enter("MyRobot", summary(mine)))
 # .venv/bin/python -m tutorial_lib experiment race --quick --agent my_answers/my_robot.py:MyRobot
 # ```
 #
-# `--quick` sends everyone through six lives in three buildings, in five to ten minutes on two cores. Without it, it's thirty lives in ten, and an hour. Your row is called *custom*.
+# `--quick` sends everyone through six lives in three buildings, in five to ten minutes on two cores. Without it, it's thirty lives in ten buildings, and an hour. Your row is called *custom*.
 #
 # ### Eight projects
 #
@@ -815,7 +815,7 @@ display(league.enter("MyRobot", summary(mine)))
 # |---|---|---|
 # | explore the rest: goals never passed | `ans_corrected` | `race --agent` |
 # | a first visit in colours that nobody has seen | `nts` | `nts_table1 --palette shifted --agent` |
-# | close loops with noisy depth, or with none | `nts_closing` | `race --agent`, noise in your agent |
+# | close loops with noisy depth, or without depth | `nts_closing` | `race --agent`, noise in your agent |
 # | ten visits in colours that nobody has seen | `combined` | `race --palette shifted --agent` |
 # | a better first visit | `nts` | `nts_table1 --agent` |
 # | the same for the course's car | `nts` | `nts_table1 --body car --agent` |
@@ -824,19 +824,19 @@ display(league.enter("MyRobot", summary(mine)))
 #
 # ## 7 · The end of the course
 #
-# Ten notebooks ago, magic drove your robot through your flat. By now it looks, turns, follows, plans, doubts, mends its map, explores, and comes home, all on your code.
+# Ten notebooks ago, magic drove your robot through your flat. Now it looks, turns, follows, plans, doubts, mends its map, explores, and comes home, all on your code.
 #
-# **Close it and draw the pipeline** of all eleven notebooks, with your function names.
+# **Close the notebook and draw the pipeline** of all eleven notebooks, with your function names.
 #
 # After this notebook you can
 #
 # - say why a map that's never corrected is worse than none;
 # - match two scans, and say when a match means nothing;
 # - correct any robot's pose on its map;
-# - put a robot of your own into a race, and say what its score is worth.
+# - enter a robot of your own in a race, and say what its score is worth.
 #
 # <details><summary>What's ours</summary>
-# All of it. The paper gives its robots at most ten goals in a row, each nearer by (notebook 09). Closing loops, the combined robot, the race and its rules are the course's, and so is the exact depth of the panorama: with a real sensor, matching walls is harder.
+# All of it. The paper gives its robots at most ten goals in a row, all closer together (notebook 09). Closing loops, the combined robot, the race and its rules are the course's, and so is the exact depth of the panorama: with a real sensor, matching walls is harder.
 # </details>
 #
 # What can't it do? It doesn't know a door from a cupboard. It has never met stairs, glass, or a cat. It's lost when somebody carries it to a room it hasn't seen. And it needs a photo: it doesn't know what *the kitchen* is.
