@@ -3,9 +3,9 @@
 #
 # **The photo on the fridge.** You've moved into a flat, and a robot car with a camera lives there. On the fridge hangs a photo, with a note: *take me here*. You have the floor plan. The robot has the photo. *Where was it taken?*
 #
-# In a minute it'll drive there, once, by magic. Then the magic's off, and in ten notebooks you'll build it yourself.
+# In a minute the robot will drive there, once, by magic. Then the magic's gone, and over ten notebooks you'll build it yourself.
 #
-# **Ten minutes, and no code to write.** Click into the first cell, and press *Shift + Enter* again and again. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
+# **Ten minutes, and no code to write.** Click the first cell, and press *Shift + Enter* repeatedly. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
 
 # %%
 from tutorial_lib.checks.nb00 import check_environment
@@ -112,7 +112,7 @@ display(where)
 # %% [markdown]
 # ## Give it a name
 #
-# It's your robot, so call it what you like. The name stays with it in all notebooks.
+# It's your robot, so call it what you like. It keeps that name throughout.
 
 # %%
 robot = name_robot("Rover")
@@ -121,9 +121,9 @@ print(f"Hello, {robot}!")
 # %% [markdown]
 # ## It drives there, once
 #
-# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads are the images it kept, thin lines lead from one to the next. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no position**.
+# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads mark those it kept, and thin lines lead from one to another. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no coordinates**.
 #
-# It plans a path through its images, and predicts how likely that is to work. Then it sets off, past two people who are in none of its images. Watch what it does when it meets one. The cell takes about 20 s.
+# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Watch what it does when it meets them. The cell takes about 20 s.
 
 # %% hidden=true
 # It learns a map of the flat, and drives to the photo
@@ -136,11 +136,11 @@ frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
 play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 s
 
 # %% [markdown]
-# That's the whole course in a minute. How does it do that?
+# That's the whole course in a minute. How does it work?
 #
 # ## Through its eyes
 #
-# Your robot is in the living room. Its camera sees 120 degrees; the floor in view is yellow.
+# Your robot is in the living room. Its camera covers 120 degrees; the floor in view is yellow.
 
 # %% hidden=true
 # The robot on the plan, and three images
@@ -170,11 +170,11 @@ eyes = Prediction(
 display(eyes)
 
 # %% [markdown]
-# The image says: *something green and blue is close on my left, and I can drive past it.* It doesn't say: *you're in the living room, at (-4.5, -11.6)*. Reaching the place shown in an image, with such images alone, is [[image-goal navigation]].
+# The image says: *something green and blue is close on your left, and you can drive past it.* It doesn't say: *you're in the living room, at (-4.5, -11.6)*. Reaching the place shown in an image, using such images alone, is [[image-goal navigation]].
 #
 # ## A field trip
 #
-# The office next door repeats one piece of corridor with its rooms, as real offices often do. Two robots stand in two of its rooms.
+# The office next door repeats one stretch of corridor and its rooms, as real offices often do. Two robots stand in two of its rooms.
 
 # %% hidden=true
 # Two rooms of an office, and what a robot sees in each
@@ -205,11 +205,11 @@ twins = Prediction(
 display(twins)
 
 # %% [markdown]
-# **No method, however clever, can tell these two places apart from one image.** This is [[perceptual aliasing]]. A map made of images may join two places that only look alike, and a robot that trusts it plans to drive through a wall. What helps is memory: the robot came from *somewhere*, and the corridors differ.
+# **From one image, no method, however clever, can tell these two places apart.** This is [[perceptual aliasing]]. A map made of images may join two places that only look alike, and a robot that trusts such a map plans to drive through a wall. What helps is memory: the robot came from *somewhere*, and the paths to the two rooms differ.
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive one path: from the living room to the bathroom, back, and there again. Each makes its own errors: about 5 % of each distance and turn, and a heading that drifts a little.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Each car's odometry errs by about 5 % of each distance and turn, and its heading drifts a little.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)
@@ -269,20 +269,20 @@ wheels = Prediction(
 display(wheels)
 
 # %% [markdown]
-# Some of the black tracks pass through walls. The error shrinks for a while when the car has turned back, but overall it grows, and nothing that wheels measure can correct it. **Odometry is good for a few metres, not for a building.**
+# Some black tracks pass through walls. The error shrinks for a while after the car turns back, but overall it grows, and nothing the wheels measure can correct it. **Odometry is good for a few metres, not for a building.**
 #
 # ## A map without coordinates
 #
 # So the map in the film holds no coordinates. It's a [[topological map]]:
 #
 # - a **[[vertex]]** is a place, stored as the images taken there;
-# - an **[[edge]]** says: *from here the robot can drive to there by its camera*, and how likely that is.
+# - an **[[edge]]** says: *the robot can drive from here to there by camera*, and how likely that is.
 #
 # Planning finds the path most likely to succeed; following it means driving from image to image.
 #
 # ## You drive
 #
-# Now you have the camera. Each press drives for half a second; the arrow keys work, too, while the pointer is on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
+# Now you look through the camera. Each press drives the car for half a second; arrow keys work, too, while the pointer is on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
 
 # %% hidden=true
 # Drive the car
@@ -290,11 +290,11 @@ car = TeleopController(home, start)
 teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
 # %% [markdown]
-# Did you get lost? So does your robot. And what did you use? Colours, door frames, and *what you saw a moment ago*.
+# Did you get lost? So does your robot. What did you go by? Colours, door frames, and *what you saw a moment ago*.
 #
 # ## A policy that cheats
 #
-# A **policy** decides what a robot does next. The one in this film knows the floor plan and where the robot is. People are pink. Such a policy is an **[[oracle]]**: it shows what's possible, and you'll compare yours with it.
+# A **policy** decides what a robot does next. The one in this film knows the floor plan and where the robot is. Such a policy is an **[[oracle]]**: it shows what's possible, and you'll compare yours with it. People are pink.
 
 # %% hidden=true
 # Film a policy that knows the map (about 5 s)
@@ -325,7 +325,7 @@ play(frames, 4, times)
 # %% [markdown]
 # ## Other worlds
 #
-# Every world is drawn at random from a *family* and a *seed*. The same two always give the same world, so a robot can be trained on some seeds and tested on others. In which family would you hate to navigate by camera?
+# Every world is generated at random from a *family* and a *seed*. The same pair gives the same world, so a robot can be trained on some seeds and tested on others. In which family would you hate to navigate by camera?
 
 
 # %% hidden=true
@@ -342,7 +342,7 @@ sliders(
 )
 
 # %% [markdown]
-# Has a real robot mapped your laboratory? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, with a small text file. The cell makes such a map, of three rooms and a corridor, and imports it as it would yours. The walls' colours are random.
+# Has a real robot mapped your lab? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, plus a small text file. The next cell makes such a map, of three rooms and a corridor, and imports it as it would yours. The walls' colours are random.
 
 # %% hidden=true
 # Make a ROS map, import it, and look into it
@@ -388,19 +388,19 @@ show(
 # |---|---|---|
 # | 01 world_and_car | see and move | frames, the car's motion, a ray, a column of the image |
 # | 02 local_control | reach a target in sight | a controller that drives to an image |
-# | 03 reachability | say "I won't make that" | a network that predicts whether it arrives |
+# | 03 reachability | say "I won't make that" | a network that predicts whether the robot arrives |
 # | 04 sparsification | follow a recorded drive | the choice of the images worth keeping |
-# | 05 map_building | go where nobody drove it | the graph of many drives |
-# | 06 probabilistic_planning | find home | the most probable path, and when to refuse |
+# | 05 map_building | go where nobody has driven it | the graph built from many drives |
+# | 06 probabilistic_planning | get home | the most probable path, and when to refuse |
 # | 07 aliasing | tell twin rooms apart | a belief over the places of the map |
 # | 08 lifelong_maps | cope with a closed door | a map that mends itself |
 # | 09 ghost_nodes | search a flat that's new to it | nodes where nobody has been |
-# | 10 ten_visits | keep its map while its odometry drifts | the match of two laser scans |
+# | 10 ten_visits | keep its map while its odometry drifts | the match between two laser scans |
 #
 # **After this notebook you can**
 #
 # - say what a camera tells a robot about its position, and what it doesn't;
-# - say why one image may not be enough, and why odometry helps for metres only;
+# - say why one image may not be enough, and why odometry helps only for a few metres;
 # - say what a topological map stores.
 #
-# And your robot? The magic's off. It stands in its corner with a camera and four wheels, and not a line of code of yours. In [notebook 01](01_world_and_car.ipynb) you find out what it sees and how it moves. The main idea of the course comes from X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# And your robot? The magic's gone. It stands in its corner with a camera, four wheels and not one line of your code. In [notebook 01](01_world_and_car.ipynb) you'll find out what it sees and how it moves. The course's main idea comes from X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 01 · The world and the car
 #
-# **Facing the wrong way.** Yesterday your robot drove to the photo, by magic. This morning the magic's off, and somebody has left it in the hallway, with the photo behind it. With its wheels all the way to the left, its rear axle drives a half circle 1.24 m across. *How wide must the hallway be?*
+# **Facing the wrong way.** Yesterday your robot drove to the photo, by magic. This morning the magic's gone, and somebody has left the robot in the hallway, its back to the photo. With its wheels turned fully left, its rear axle traces a half circle 1.24 m across. *How wide must the hallway be for a U-turn?*
 #
-# Today you write how your robot moves, how it counts its own motion, and how it sees. At the end, your code paints what its camera took in the living room.
+# Today you program how your robot moves, how it tracks its own motion, and how it sees. At the end, your code paints what the robot's camera sees in the living room.
 
 # %% hidden=true
 # A car beside a wall
@@ -96,33 +96,33 @@ turn = Prediction(
 display(turn)
 
 # %% [markdown]
-# **90 minutes.** You need Python with numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. Folded cells only draw. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
+# **90 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You needn't read folded cells. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 00: two images are equal, pixel by pixel. Were they taken at one place?</summary>
-# Perhaps not: twin rooms give the same image.
+# <details><summary>Notebook 00: two images are identical, pixel by pixel. Were they taken at the same place?</summary>
+# Not necessarily: twin rooms give the same image.
 # </details>
 # <details><summary>Notebook 00: why does the odometry's error shrink for a while after the car turns back?</summary>
-# An error of the heading pushes the estimate to one side on the way there, and to the other on the way back.
+# A heading error pushes the estimate to one side on the way out, and to the other on the way back.
 # </details>
 # <details><summary>Notebook 00: what does an edge of a topological map say?</summary>
-# From here the robot can drive to there by its camera, and how likely that is. It says nothing about metres.
+# That the robot can drive from here to there by camera, and how likely that is. It says nothing about metres.
 # </details>
 #
 # ## 1 · Where is it in the robot's frame?
 #
-# Your robot doesn't need to know that the door is at (7.1, 2.4). It needs *two metres ahead and a little to the left*: the door in the robot's own [[frame]], x ahead, y to the left. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
+# Your robot needn't know that the door is at (7.1, 2.4). It needs *two metres ahead and a little to the left*: the door's position in the robot's own [[frame]], x ahead, y to the left. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
 #
 # $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
 #
-# In the code a point is a *row*. For rows, $R^{\top} p$ is written `offset @ R`.
+# In the code, a point is a *row*. For rows, $R^{\top} p$ is written `offset @ R`.
 #
 # ### Exercise 1 · `to_local` (easy, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>A point straight ahead of the robot has the local coordinates (distance, 0), whatever the heading.</details>
+# <details><summary>Hint 1: concept</summary>A point straight ahead of the robot has local coordinates (distance, 0), whatever the heading.</details>
 # <details><summary>Hint 2: approach</summary>Subtract first. Then the new x is the component of the offset along the robot's heading, and the new y its component to the left: two dot products.</details>
-# <details><summary>Hint 3: one line</summary>At heading 0 the local point is (dx, dy), at 90 degrees it is (dy, −dx). Which two sums of dx and dy, weighted with cosine and sine, give both?</details>
+# <details><summary>Hint 3: one line</summary>At heading 0 the local point is (dx, dy); at 90 degrees it is (dy, −dx). Which two sums of dx and dy, weighted by cosine and sine, give both?</details>
 
 
 # %% exercise="to_local"
@@ -184,7 +184,7 @@ display(frame)
 # %% [markdown]
 # ## 2 · One motion after another
 #
-# Your robot drives from A to B, and then makes a motion that's given *in the frame of B*. Rotate the second translation by the first heading, and add it; the headings simply add up. This is **composition**, $A \oplus B$, and [[odometry]] is a long chain of it:
+# Your robot makes a motion A, then a motion B, given *in the frame where A ends*. Rotate the second translation by the first heading, and add it to the first; the headings simply add up. This is **composition**, $A \oplus B$, and [[odometry]] is a long chain of compositions:
 #
 # $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
 #
@@ -192,8 +192,8 @@ display(frame)
 #
 # ### Exercise 2 · `compose` (easy, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Drive 1 m, turn left, drive 1 m. The second metre went along +y. Adding the numbers would put it along +x.</details>
-# <details><summary>Hint 2: approach</summary>This time the matrix is R itself, not its transpose: you go from the robot's frame to the world.</details>
+# <details><summary>Hint 1: concept</summary>Drive 1 m, turn left, drive 1 m. The second metre goes along +y. Adding the numbers would put it along +x.</details>
+# <details><summary>Hint 2: approach</summary>This time the matrix is R itself, not its transpose: you go from the robot's frame to the world's.</details>
 # <details><summary>Hint 3: one line</summary>degrees % 360 lies between 0 and 360, and (degrees + 180) % 360 − 180 between −180 and 180. What is that in radians?</details>
 
 
@@ -217,7 +217,7 @@ def compose(first, second):
 compose = check_compose.use(compose)
 
 # %% [markdown]
-# Your robot repeats one motion: *one metre ahead, then a turn of 45 degrees to the left*. But its odometry measures each turn one degree too large.
+# Your robot repeats one motion: *one metre ahead, then a turn of 45 degrees to the left*. But its odometry overestimates each turn by one degree.
 
 
 # %%
@@ -267,21 +267,21 @@ laps = Prediction(
 display(laps)
 
 # %% [markdown]
-# Each step inherits all the heading errors before it. Section 4 leaves the circle.
+# Each step inherits all the heading errors before it. In section 4, the cars leave the circle.
 #
 # ## 3 · A car can't turn in place
 #
-# The front wheels turn by the steering angle $\delta$; the rear wheels only roll. The car's pose is taken at the middle of its rear axle, and $v$ is the speed there. The [[wheelbase]] $L$ is the distance between the axles. A dot is the time derivative:
+# The front wheels turn by the steering angle $\delta$; the rear wheels only roll. The car's pose is taken at the middle of its rear axle, and $v$ is the speed there. The [[wheelbase]] $L$ is the distance between the axles. A dot denotes the time derivative:
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
-# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$, at any speed. This is the [[kinematic bicycle model]]. Your car is 0.42 m long and 0.24 m wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad.
+# At a fixed steering angle the car drives in a circle of radius $r = L / \tan\delta$, at any speed. This is the [[kinematic bicycle model]]. Your car is 0.42 m long and 0.24 m wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad.
 #
 # ### Exercise 3 · `bicycle_step` (easy, 5 minutes)
 #
-# <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by the turning rate times the time.</details>
-# <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
-# <details><summary>Hint 3: one line</summary>A tank that fills at <code>rate</code> litres a second holds <code>level + rate * seconds</code> litres later. What are the three levels here, and what are their rates?</details>
+# <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by the turn rate times the time.</details>
+# <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each rate times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
+# <details><summary>Hint 3: one line</summary>A tank that fills at <code>rate</code> litres a second will hold <code>level + rate * seconds</code> litres. What are the three levels here, and what are their rates?</details>
 
 
 # %% exercise="bicycle_step"
@@ -306,7 +306,7 @@ def bicycle_step(pose, speed, steering, wheelbase, seconds):
 bicycle_step = check_bicycle_step.use(bicycle_step)
 
 # %% [markdown]
-# Back in the hallway, your function is at the wheel. Watch the dotted corner: does any angle get the car round?
+# Back in the hallway, your function is at the wheel. Watch the corner's dotted track: does any angle get the car round?
 
 
 # %%
@@ -352,13 +352,13 @@ sliders(
 )
 
 # %% [markdown]
-# None does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why notebook 03 learns reachability, and doesn't measure distance.
+# None does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why, in notebook 03, a network learns reachability, not distance.
 #
 # ### When it touches something
 #
-# These equations don't know about walls. A physics library, [pymunk](https://www.pymunk.org), does: to it the car is a **rigid body**, which moves and turns but never bends. At a **contact**, the part of its velocity that points into the wall is taken away. The rest moves the car.
+# The bicycle equations don't know about walls. A physics library, [pymunk](https://www.pymunk.org), does: to it, the car is a **rigid body**, which moves and turns but never bends. At a **contact**, the part of the car's velocity that points into the wall is taken away. The rest moves the car.
 #
-# One car drives straight at a wall, one at 40°, and their motors run for five seconds. The third stands still, and a person walks into it.
+# One car drives straight at a wall, another at 40° to it, and their motors run for five seconds. The third stands still, and a person walks into it.
 
 # %% hidden=true
 # Three contacts: a wall ahead, a wall at an angle, and a person
@@ -439,17 +439,17 @@ head = {"the car meets": "", "first contact, s": ".1f", "its wheels then ask for
 table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 
 # %% [markdown]
-# The wall pushes the second car's front corner, and so turns the car. There's no **friction** here; a real wall would slow the car down and scratch it.
+# The wall pushes the second car's front corner, and so turns it. There's no **friction** here; a real wall would slow the car and scratch it.
 #
 # <details><summary>How far is the person moved?</summary>
-# Not at all. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. This one pays no attention to robots. The people of later notebooks stop 1.3 m before a robot, wait two seconds, and walk back. <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever did.
+# Not at all. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. This one ignores robots. People in later notebooks stop 1.3 m from a robot, wait two seconds, and walk back. <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever has.
 # </details>
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors aren't exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B): ten times a second, we multiply both controls by random numbers of mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and turn, and its heading drifts.
+# Motors aren't exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B): ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and turn, and its heading drifts.
 #
-# Two hundred cars start at one place and get the same commands for 20 s. Your `compose` adds up where they are, and where their odometry puts them.
+# Two hundred cars start at the same place and get the same commands for 20 s. Your `compose` computes where they are, and where their odometry puts them.
 
 # %%
 commands = np.array([[0.5, 0.0]] * 60 + [[0.5, 0.25]] * 60 + [[0.5, 0.0]] * 80)
@@ -521,7 +521,7 @@ cloud = Prediction(
 display(cloud)
 
 # %% [markdown]
-# Commands alone say little about where a car is. Odometry says more, but nothing on board corrects its error. Only a look at the world can.
+# Commands alone say little about where a car is. Odometry says more, but can't correct its own errors. Only a look at the world can.
 #
 # ### Find the bug
 #
@@ -535,7 +535,7 @@ display(cloud)
 # ```
 #
 # <details><summary>Answer</summary>The step is added along the world's x axis and never rotated by the heading: it should be
-# <code>compose(pose, [ahead, 0, turn])</code>. A test that drives straight along +x wouldn't have found it, and so good tests turn first.</details>
+# <code>compose(pose, [ahead, 0, turn])</code>. A test that drives straight along +x wouldn't catch this; good tests turn first.</details>
 #
 # ## 5 · A ray hits a wall
 #
@@ -547,12 +547,12 @@ display(cloud)
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
-# Where ray and wall are parallel, the denominator is zero, but for rounding. So count an absolute value of $10^{-12}$ or less as parallel.
+# Where ray and wall are parallel, the denominator is zero, up to rounding. So an absolute value of $10^{-12}$ or less counts as parallel.
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (the denominator is zero but for rounding).</details>
-# <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Treat the parallel case first and return np.inf.</details>
+# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (zero denominator, up to rounding).</details>
+# <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Handle the parallel case first and return np.inf.</details>
 # <details><summary>Hint 3: one line</summary>Python can test both ends of a range at once: <code>low &lt;= value &lt;= high</code>. Which conditions on t and u decide between t and np.inf?</details>
 
 
@@ -585,7 +585,7 @@ def ray_segment(origin, direction, start, end):
 ray_segment = check_ray_segment.use(ray_segment)
 
 # %% [markdown]
-# Now your function scans the living room: 60 rays, each against every wall nearby. The library's compiled [`world/raycast.py`](../tutorial_lib/world/raycast.py) is some ten thousand times faster.
+# Now your function scans the living room: 60 rays, each against every nearby wall. The library's compiled [`world/raycast.py`](../tutorial_lib/world/raycast.py) is some ten thousand times faster.
 
 # %%
 eye = np.array([-4.5, -11.6, 0.2])
@@ -611,15 +611,15 @@ show(stacked([picture], ["Your scan: 60 rays, cut off at 6 m"]))
 # %% [markdown]
 # ## 6 · From a ray to a column of pixels
 #
-# The camera sits 0.25 m above the floor (`EYE`), the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing direction, not along the ray. A slope is a height above the eye, divided by $z$: the wall reaches from $0.75 / z$ down to $-0.25 / z$. The image reaches from $s = \tan 30°$ (`slope`) down to $-s$, and its rows divide that range evenly.
+# The camera sits 0.25 m above the floor (`EYE`), and the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing direction, not along the ray. A slope is a height relative to the eye, divided by $z$: the wall reaches from $0.75 / z$ down to $-0.25 / z$. The image reaches from $s = \tan 30°$ (`slope`) down to $-s$, and its rows divide that range evenly.
 #
-# A row that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. So even images of 16 rows show distances well: the share is in the colour.
+# A row that the wall's edge crosses is covered *in part*, and its colour is mixed in that proportion. So even 16-row images show distances well: the colour carries the share.
 #
 # ### Exercise 5 · `wall_share` (medium, 15 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Each row is an interval of slopes, and so is the wall. How long is the part they have in common?</details>
 # <details><summary>Hint 2: approach</summary>Row i reaches from s − i·h down to s − (i+1)·h, with h = 2s / rows. The overlap of two intervals is the smaller of the upper ends minus the larger of the lower ends.</details>
-# <details><summary>Hint 3: one line</summary>For rows that the wall does not reach, the overlap comes out negative. Which numpy function replaces all negative numbers by 0? And what turns an overlap in slopes into a share of a row?</details>
+# <details><summary>Hint 3: one line</summary>For rows the wall does not reach, the overlap is negative. Which numpy function replaces all negative numbers with 0? And what turns an overlap in slopes into a share of a row?</details>
 
 # %%
 slope = Camera().slope
@@ -647,7 +647,7 @@ def wall_share(depth, rows):
 wall_share = check_wall_share.use(wall_share)
 
 # %% [markdown]
-# Rays and columns make a camera. Here's the living room of notebook 00, painted by your code: the library's rays give each column's depth and colour, and your `wall_share` mixes in floor and ceiling. Compare it with the library's.
+# Rays and columns make a camera. Here's notebook 00's living room, painted by your code: the library's rays give each column's depth and colour, and your `wall_share` mixes in floor and ceiling. Compare it with the library's image.
 
 # %%
 camera = Camera(rows=64)
@@ -672,12 +672,12 @@ show(side_by_side(pictures, ["with wall_share", "by the library"]))
 # %% [markdown]
 # They differ by less than one grey level, since the library rounds to whole numbers.
 #
-# <details><summary>Why the depth and not the distance?</summary>A pinhole camera shows straight walls straight. Columns at the side see the wall along a ray that is longer by
-# 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> by <code>distance[0]</code>.</details>
+# <details><summary>Why the depth and not the distance?</summary>A pinhole camera shows straight walls as straight. Columns at the sides see the wall along rays longer by a factor of
+# 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> with <code>distance[0]</code>.</details>
 #
 # ## 7 · The way to the photo
 #
-# An oracle, which knows the floor plan, drives your robot to the photo, while your robot records a [[trajectory]]: poses, images and actions. Orange dots are its laser scans at the numbered places. This is the twin of the paper's Fig. 6, **in an easier world**: theirs is a scanned building with real textures.
+# An oracle, which knows the floor plan, drives your robot to the photo and records a [[trajectory]]: poses, images and actions. Orange dots are the robot's laser scans at the numbered places. This figure is the twin of the paper's Fig. 6, **in an easier world**: the paper's is a scanned building with real textures.
 
 # %% hidden=true
 # A trajectory through the flat, with numbered images along it
@@ -723,9 +723,9 @@ print(f"a trajectory of {arc_length(np.array(track))[-1]:.1f} m")
 display(alike)
 
 # %% [markdown]
-# Pixels are a poor measure of how close two places are. So you'll teach a network what the car can *reach*. The laser has gaps, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits in between.
+# Pixels are a poor measure of how close two places are. So you'll teach a network what the car can *reach*. The laser has its limits, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits between them.
 #
-# **Close it and draw the pipeline**, with your function names: from a command to the image that follows it.
+# **Close the notebook and draw the pipeline**, with your function names: from a command to the image that follows it.
 #
 # After this notebook you can
 #
@@ -735,11 +735,11 @@ display(alike)
 # - turn a floor plan into a camera image, column by column.
 #
 # <details><summary>Extras, if you like</summary>
-# Drive a circle with <code>bicycle_step</code>, with <code>seconds=0.5</code> and with <code>seconds=0.01</code>: which is larger, and how far apart are the cars after 20 s? A version that moves along the exact arc passes the check, too.
+# Drive in a circle using <code>bicycle_step</code>, with <code>seconds=0.5</code> and with <code>seconds=0.01</code>: which circle is larger, and how far apart are the cars after 20 s? A version that moves along the exact arc passes the check, too.
 #
-# In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90 % of the cars to stay below 0.3 m after 20 s?
+# In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90 % of the errors to stay below 0.3 m after 20 s?
 #
-# Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: from how far away can you still tell two depths apart?
+# Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: up to what depth can you still tell two depths apart?
 # </details>
 #
-# Tonight your robot can see and move, but an oracle turned its wheels. Hold up the photo, and it stays where it is. In [notebook 02](02_local_control.ipynb) you write what turns an image into steering. Sections I to III-A of the paper are good reading until then.
+# Tonight your robot can see and move, but an oracle turned its wheels. Hold up the photo, and it stays put. In [notebook 02](02_local_control.ipynb) you'll write what turns an image into steering. Sections I to III-A of the paper are good reading until then.

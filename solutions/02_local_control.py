@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 02 · Local control
 #
-# **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the door to the hallway, and you hold up a photo that was taken in there. All it has is two images. *Which way should it steer?*
+# **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the hallway door, and you hold up a photo taken beyond it. All it has is two images. *Which way should it steer?*
 #
-# You'll write what turns images into steering, in two sittings. First comes a driver that pulls, pushes and keeps off the walls. Then comes a network that looks: your own loop trains it in ten seconds. At the end your robot drives to what a photo shows, nearly always.
+# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks: your own loop trains it in ten seconds. By the end, your robot nearly always reaches the place in the photo.
 
 # %% hidden=true
 # What the robot sees, and the photo (about 10 s)
@@ -158,31 +158,31 @@ steer = Prediction(
 display(steer)
 
 # %% [markdown]
-# **120 minutes.** There are two sittings, of 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** There are two sittings: 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You needn't read folded cells. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 01: a door is 2 m ahead of the robot and 1 m to its left. It turns left by 90° in place. Where's the door now, in its frame?</summary>
+# <details><summary>Notebook 01: a door is 2 m ahead of the robot and 1 m to its left. The robot turns left by 90° in place. Where's the door now, in its frame?</summary>
 # At (1, −2): 1 m ahead, and 2 m to the right.
 # </details>
 # <details><summary>Notebook 01: half a metre to the car's left, or three metres ahead: which place is harder to reach?</summary>
 # The one to the left. A car can't drive sideways; it must drive away and come back.
 # </details>
 # <details><summary>Notebook 00: what's an oracle good for?</summary>
-# It knows the floor plan and its position, and so it shows what's possible. You compare your robot with it.
+# It knows the floor plan and the robot's position, and so shows what's possible. You compare your robot with it.
 # </details>
 #
 # # First sitting · a driver (50 minutes)
 #
 # ## 1 · Two halves
 #
-# A [[local controller]] $\mathcal C$ takes two images: what the robot sees now, and a photo of its target. Ten times a second it gives a command, until the two agree. It has no map and no coordinates. It needn't cross a building; it must cover a few metres, reliably. It has two halves:
+# A [[local controller]] $\mathcal C$ takes two images: what the robot sees now, and a photo of its target. Ten times a second it gives a command, until the two match. It has no map and no coordinates. It needn't cross a building, but must cover a few metres reliably. It has two halves:
 #
 # $$ \mathcal C(o_\text{current}, o_\text{target}) \;=\; \mathcal C_{RMP}\bigl(\mathcal C_{WP}(o_\text{current}, o_\text{target})\bigr). $$
 #
 # $\mathcal C_{WP}$ is a network: two images in, a [[waypoint]] $(x, y)$ in the robot's frame out. It knows nothing of wheels. $\mathcal C_{RMP}$ drives to the waypoint by laser, and it knows nothing of images. The waypoint is only a hint, and a new one comes ten times a second.
 #
-# You build the driver first. So for this sitting somebody *tells* the robot where its target is: an [[oracle]] gives the waypoint.
+# You build the driver first. So in this sitting somebody *tells* the robot where its target is: an [[oracle]] gives the waypoint.
 #
 # ## 2 · The wheels towards it, and go
 #
@@ -234,12 +234,12 @@ picture = track_picture(view.base.copy(), track, door_goal)
 show(side_by_side([closeup(view, picture, near_door, 0.35)], [ending], height=430))
 
 # %% [markdown]
-# So something must push it off the wall. The classic recipe adds up forces, and it has two flaws. A distant wall still tugs at the sum. And the push that stops a car *in front of* a wall disturbs it *next to* one. So each wish should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
+# So something must push the car off the wall. The classic recipe adds up forces, and it has two flaws. A distant wall still skews the sum. And the push that stops a car *in front of* a wall disturbs it *next to* one. So each wish should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
 #
 # - an acceleration $a$: *what it wants*;
 # - a [[metric]] $M$, a symmetric matrix: *how much it matters, and in which directions*.
 #
-# The **goal policy** pulls a point $x$ to its goal $g$, damps its velocity, and weights all directions equally:
+# The **goal policy** pulls a point $x$ towards its goal $g$, damps its velocity, and weights all directions equally:
 #
 # $$ a = \gamma\,\frac{g - x}{\max(|g - x|,\ \varepsilon)} - \beta\,\dot x, \qquad M = I . $$
 #
@@ -247,9 +247,9 @@ show(side_by_side([closeup(view, picture, near_door, 0.35)], [ending], height=43
 #
 # ### Exercise 1 · `goal_policy` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The offset divided by its length is a unit vector: direction without distance. Near the goal, division by a tiny length would make the pull jump about, hence the max.</details>
-# <details><summary>Hint 2: approach</summary>np.linalg.norm(offsets, axis=-1, keepdims=True) gives each row its own length and keeps an axis to divide by. The metric is the identity for each of them: np.broadcast_to(np.eye(2), shape).</details>
-# <details><summary>Hint 3: one line</summary>With <code>lengths</code> of shape (N, 1), <code>rows / lengths</code> divides every row by its own. Which two numbers must you compare before you divide, and what is subtracted in the end? The shape of the metrics is <code>(*offsets.shape, 2)</code>.</details>
+# <details><summary>Hint 1: concept</summary>The offset divided by its length is a unit vector: direction without distance. Near the goal, dividing by a tiny length would make the pull jump about, hence the max.</details>
+# <details><summary>Hint 2: approach</summary>np.linalg.norm(offsets, axis=-1, keepdims=True) gives each row its own length and keeps an axis to divide by. The metric is the identity for each row: np.broadcast_to(np.eye(2), shape).</details>
+# <details><summary>Hint 3: one line</summary>With <code>lengths</code> of shape (N, 1), <code>rows / lengths</code> divides every row by its own length. Which two numbers must you compare before dividing, and what is subtracted at the end? The shape of the metrics is <code>(*offsets.shape, 2)</code>.</details>
 
 
 # %% exercise="goal_policy"
@@ -272,17 +272,17 @@ def goal_policy(offsets, velocities, gain, damping, near):
 goal_policy = check_goal_policy.use(goal_policy)
 
 # %% [markdown]
-# An **obstacle policy** knows one laser point: its distance $d$, and how fast that shrinks ($c$, in m/s). It pushes away, and harder when the point is near or comes nearer fast. Its metric is large only nearby:
+# An **obstacle policy** knows one laser point: its distance $d$, and how fast that shrinks ($c$, in m/s). It pushes the car away, harder when the point is near or approaching fast. Its metric is large only nearby:
 #
 # $$ \ddot d = \frac{p + b\,\max(c, 0)}{d}, \qquad m = w\,e^{-d/\ell} . $$
 #
-# $p$ is the push, $b$ the brake, $w$ the weight at contact, and $\ell$ the length over which the weight fades. In both formulas, distances below 0.01 m count as 0.01 m. The brake acts only while the distance shrinks: nothing should pull the car back to a wall that it's leaving.
+# $p$ is the push, $b$ the brake, $w$ the weight at contact, and $\ell$ the length over which the weight fades. In both formulas, distances below 0.01 m count as 0.01 m. The brake acts only while the distance shrinks: nothing should pull the car back towards a wall it's leaving.
 #
 # ### Exercise 2 · `obstacle_policy` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Acceleration and metric do two different jobs. The first grows when the wall is near; the second decides how much it counts.</details>
-# <details><summary>Hint 2: approach</summary>First limit the distances from below, np.maximum(distances, 0.01), and use that in both formulas: at contact you would otherwise divide by zero.</details>
-# <details><summary>Hint 3: one line</summary><code>np.maximum(speeds, 0)</code> keeps the positive speeds and sets the others to 0. Where does that belong, and what is all of it divided by? The metric is one np.exp.</details>
+# <details><summary>Hint 1: concept</summary>Acceleration and metric do different jobs. The first grows as the wall gets nearer; the second decides how much the first counts.</details>
+# <details><summary>Hint 2: approach</summary>First limit the distances from below, np.maximum(distances, 0.01), and use the result in both formulas: at contact you would otherwise divide by zero.</details>
+# <details><summary>Hint 3: one line</summary><code>np.maximum(speeds, 0)</code> keeps the positive speeds and sets the others to 0. Where does that belong, and what is the whole sum divided by? The metric takes one np.exp.</details>
 
 
 # %% exercise="obstacle_policy"
@@ -306,15 +306,15 @@ def obstacle_policy(distances, closing, push, brake, weight, fade):
 obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 
 # %% [markdown]
-# Each policy speaks of its own quantity: a point of the car, a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted with the metrics:
+# Each policy acts on its own quantity: a point on the car, a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted by the metrics:
 #
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
-# $J^{\top} M a$ is a policy's *force* on the controls, and $J^{\top} M J$ its metric there. To compute both is the **pullback**; to sum and solve is to **resolve**. Where no policy weights a direction, the sum is singular. So you add $10^{-6}$ to its diagonal, and nothing moves in that direction.
+# $J^{\top} M a$ is a policy's *force* on the controls, and $J^{\top} M J$ its metric on them. Computing both is the **pullback**; summing and solving is the **resolve** step. Where no policy weights a direction, the summed metric is singular. So you add $10^{-6}$ to its diagonal, and nothing moves in that direction.
 #
 # ### Exercise 3 · `resolve` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>It is weighted least squares. Where two policies disagree, the result is their average, weighted with their metrics.</details>
+# <details><summary>Hint 1: concept</summary>It is weighted least squares. Where two policies disagree, the result is their average, weighted by their metrics.</details>
 # <details><summary>Hint 2: approach</summary>Begin with force = np.zeros(2) and metric = 1e-6 * np.eye(2). Loop over the policies and add J.T @ M @ a to the first and J.T @ M @ J to the second. Solve once, at the end.</details>
 # <details><summary>Hint 3: one line</summary><code>np.linalg.solve(A, b)</code> finds the x with A x = b. What are A and b here?</details>
 
@@ -342,7 +342,7 @@ resolve = check_resolve.use(resolve)
 # %% [markdown]
 # ## 3 · What the walls say
 #
-# First take the simplest robot, a disc that you can push in any direction: the Jacobian of its position is the identity. Your functions answer at every point of a grid. Arrows show accelerations, and ellipses show summed metrics, *long in the directions that matter*. Watch what the ellipses do beside a wall.
+# First take the simplest robot, a disc that you can push in any direction: the Jacobian of its position is the identity. Your functions are called at every point of a grid. Arrows show accelerations, and ellipses show summed metrics, *long in the directions that matter*. Watch what the ellipses do next to a wall.
 
 # %%
 beam_angles = full_circle(96)
@@ -402,13 +402,13 @@ show(
 )
 
 # %% [markdown]
-# In the open the ellipses are circles: only the goal speaks. Beside a wall they're long *across* it. Motion towards the wall matters, motion along it doesn't, so an arrow may run along the wall freely.
+# In the open the ellipses are circles: only the goal has a say. Next to a wall they're long *perpendicular* to it. Motion towards the wall matters, motion along it doesn't, so an arrow may run freely along it.
 #
-# Now the car. Nobody can push it sideways: its controls are speed $v$ and steering $\delta$, and a point of the car at $(p_x, p_y)$ moves by
+# Now the car. Nobody can push it sideways: its controls are speed $v$ and steering $\delta$, and a point on the car at $(p_x, p_y)$ has the velocity
 #
 # $$ \begin{pmatrix}\dot x\\ \dot y\end{pmatrix} = \begin{pmatrix}1 & -p_y\\ 0 & p_x\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}, \qquad \omega = \frac{v}{L}\tan\delta . $$
 #
-# The point's Jacobian is this matrix (`point_jacobian`) times that of $(v, \omega)$ (`control_jacobian`). The goal policy pulls the car's *nose*, and each laser point pushes four discs that cover the car.
+# The point's Jacobian is this matrix (`point_jacobian`) times the Jacobian of $(v, \omega)$ (`control_jacobian`). The goal policy pulls the car's *nose*, and each laser point pushes four discs that cover the car.
 
 # %%
 nose = np.array([0.36, 0.0])
@@ -485,14 +485,14 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
-# From a weight of 0.6 on it does, since the brake alone holds it off. Otherwise push and weight hardly matter, as long as neither is zero: the metric fades with distance, and so the car passes the post on much the same path. The gain changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4. At 0.6 it's only 0.2 m/s, and time runs out.
+# From a weight of 0.6 up it does: the brake alone keeps it off the post. Otherwise push and weight hardly matter, as long as neither is zero: the metric fades with distance, so the car passes the post on much the same path. The gain changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4. At 0.6 it's only 0.2 m/s, and time runs out.
 # </details>
 #
 # ## 4 · Half a metre back
 #
-# Your car only drives forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse. Where one arc is too tight, it turns in several moves.
+# Your car only drives forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse. Where one arc is too tight, the car turns in several moves.
 #
-# Is that worth it? An [[episode]] has a start and a target. One drive of a controller in an episode is a [[rollout]]. Here two cars drive episodes whose target is up to a metre *behind* them: one car never reverses, the other may. An oracle tells them where it is.
+# Is reversing worth it? An [[episode]] has a start and a target. One drive of a controller through an episode is a [[rollout]]. Here two cars drive to targets up to a metre *behind* them: one car never reverses, the other may. An oracle tells them where the target is.
 
 
 # %% hidden=true
@@ -549,7 +549,7 @@ for name, rollouts in results.items():
 show(side_by_side(panels, titles, height=400))
 
 # %% [markdown]
-# A car that never reverses must turn round first. That takes 1.6 m of width, and few places in a flat have it. This is a fact about the *body*; no network can make up for it.
+# A car that never reverses must turn round first. That takes 1.6 m of width, and few places in a flat are that wide. This is a fact about the *body*; no network can make up for it.
 #
 # ## 5 · Round the corner
 #
@@ -584,29 +584,29 @@ corner = Prediction(
 display(corner)
 
 # %% [markdown]
-# The pull points through the wall, the wall pushes back, and the two balance: a **local minimum**. A driver that only reacts doesn't search. So a *straight line* must lead to the waypoint.
+# The pull points through the wall, the wall pushes back, and the two balance: a **local minimum**. A driver that only reacts doesn't search. So a clear *straight line* must lead to the waypoint.
 #
 # ---
 #
-# **Stop here.** That's fifty minutes: three functions, and a car that drives to a point in sight. Who tells it which point? When you come back, it looks for itself.
+# **Stop here.** That's fifty minutes: three functions, and a car that drives to a point in sight. Who tells it which point? When you come back, it'll look for itself.
 #
 # # Second sitting · learning to look (70 minutes)
 #
 # ## 6 · Which point?
 #
-# The network learns from examples, and each example needs a [[label]]: the right waypoint. There's a recorded drive and, in simulation, a map. The authors' code has this rule:
+# The network learns from examples, and each example needs a [[label]]: the right waypoint. You have a recorded drive and, in simulation, a map. The authors' code uses this rule:
 #
-# - the waypoint is **the farthest point of the trajectory, up to the target, that's in clear sight**: a straight line leads there and keeps 6 cm from every wall;
+# - the waypoint is **the farthest point of the trajectory, up to the target, that's in clear sight**: a straight line leads there and keeps at least 6 cm from every wall;
 # - a target at or before the start (`target <= source`) is its own waypoint, in sight or not;
-# - where no candidate is in sight there's no label: `None`.
+# - if no candidate is in sight, there's no label: `None`.
 #
 # So the car needn't drive round a corner in one go. It drives to the corner, looks again, and gets a new waypoint.
 #
 # ### Exercise 4 · `waypoint_label` (medium, 12 minutes)
 #
 # <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the trajectory: the point with the largest index. A point may be hidden by a post while a later one is in sight again.</details>
-# <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], find with sees(start[:2], points) which of them are in clear sight, and use the last one. If there is none, return None: such a pair is discarded.</details>
-# <details><summary>Hint 3: one line</summary><code>np.flatnonzero(flags)</code> gives the indices of the True ones; the last of them is index −1, if there is any. <code>to_local(start, point)</code> from the library gives a point as seen from the start.</details>
+# <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], use sees(start[:2], points) to find those in clear sight, and take the last. If there is none, return None: such a pair is discarded.</details>
+# <details><summary>Hint 3: one line</summary><code>np.flatnonzero(flags)</code> gives the indices of the True entries; the last is at index −1, if there is one. <code>to_local(start, point)</code> from the library gives a point as seen from the start.</details>
 
 
 # %% exercise="waypoint_label"
@@ -635,7 +635,7 @@ def waypoint_label(start, track, source, target, sees):
 waypoint_label = check_waypoint_label.use(waypoint_label)
 
 # %% [markdown]
-# Here are five starts next to a recorded drive. Each is moved by some 0.3 m and turned by some 9 degrees, so that the network also learns from views *off* the trajectory. The target is round the corner.
+# Here are five starts next to a recorded drive. Each is shifted by about 0.3 m and turned by about 9 degrees, so the network also learns from views *off* the trajectory. The target is round the corner.
 
 # %% hidden=true
 # Waypoint labels of five starts before a corner
@@ -706,11 +706,11 @@ labels = Prediction(
 display(labels)
 
 # %% [markdown]
-# Some lines pass the corner at 6 cm, and the car is 24 cm wide. That's no mistake: keeping off the wall is the driver's job.
+# Some lines pass 6 cm from the corner, and the car is 24 cm wide. That's no mistake: keeping off the wall is the driver's job.
 #
 # ### How much do two images share?
 #
-# The network also learns the [[mutual overlap]]: how much of one camera's view the other camera sees, in both directions. Cast 100 rays from one camera; count the points on walls that lie in the other's view, with nothing in between. Here one camera stands 1.5 m behind the other.
+# The network also learns the [[mutual overlap]]: how much of each camera's view the other camera sees. Cast 100 rays from one camera; count the points on walls that lie in the other's view, with nothing in between. Here one camera stands 1.5 m behind the other.
 
 # %% hidden=true
 # What the rear and the front camera see of each other's view
@@ -746,15 +746,15 @@ print(f"the library returns {by_library[0]:.0%} and {by_library[1]:.0%}")
 show(side_by_side(panels, titles, height=420))
 
 # %% [markdown]
-# Most of what the front camera sees lies before both; the rear one also sees the walls next to it. So *two* numbers tell which camera is ahead. One couldn't.
+# Most of what the front camera sees lies ahead of both; the rear one also sees walls the front one has passed. So *two* numbers tell which camera is ahead. One couldn't.
 #
 # ## 7 · Two images, column by column
 #
-# A recorded drive holds more than one photo of the target: it also has the images from shortly before and after. They show more of the room, and where the drive went. The target *with its [[context]]* is
+# A recorded drive holds more than the photo of the target: it also has the images from shortly before and after it. They show more of the room, and where the drive went. The target *with its [[context]]* is
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ images} = 0.3\ \text{s}, $$
 #
-# $2k+1$ images; with $k = 0$ it's the single one. Here's the first photo, with $k = 2$.
+# $2k+1$ images; with $k = 0$ it's just the photo. Here's the first photo, with $k = 2$.
 
 # %% hidden=true
 # The photo, and its context
@@ -766,13 +766,13 @@ show(side_by_side(images, names, gap=6))
 # %% [markdown]
 # ### Do half of the work once
 #
-# Four words first. A *layer* multiplies its input by weights and adds up. A *convolution* is a layer with the same weights at every position of an image. An [[encoder]] is a few layers that turn an image into a list of numbers. The [[loss]] is the error that training reduces.
+# Four terms first. A *layer* multiplies its inputs by weights and adds them up. A *convolution* is a layer with the same weights at every position of an image. An [[encoder]] is a few layers that turn an image into a list of numbers. The [[loss]] is the error that training reduces.
 #
-# The paper stacks *nine* colour channels, three each of the current image, the target and their difference, and feeds them to convolutions. The first layer is *linear*: with $A$, $B$, $D$ the weights of the three parts it computes
+# The paper stacks *nine* colour channels, three each for the current image, the target and their difference, and feeds them to convolutions. The first layer is *linear*: with $A$, $B$ and $D$ the weights of the three parts, it computes
 #
 # $$ A\,\text{cur} + B\,\text{tgt} + D\,(\text{cur} - \text{tgt}) . $$
 #
-# Collect terms by image, and it splits into a part that sees only cur and one that sees only tgt, with the same result. The first is then computed once for all $2k+1$ images of the target. The second doesn't change while the car drives, so it's **cached** with the target.
+# Collect terms by image, and the sum splits into a part that sees only cur and one that sees only tgt, with the same result. The first part is then computed once for all $2k+1$ images of the target. The second doesn't change while the car drives, so it's **cached** with the target.
 
 # %%
 torch.manual_seed(0)
@@ -802,11 +802,11 @@ table(
 # %% [markdown]
 # ### Where is it in the other image?
 #
-# Stacking compares what lies at the *same position* in both images. But when the car turns, everything moves sideways by many columns. So our networks have another encoder ([`learning/encoders.py`](../tutorial_lib/learning/encoders.py)). Both images become 32 columns of numbers, and **every column of one is compared with every column of the other**. The table of 32 × 32 similarities is the [[correlation volume]]. A *softmax* turns each of its rows into shares that add up to 1, and they show where a column reappears.
+# Stacking compares what lies at the *same position* in both images. But when the car turns, everything shifts sideways by many columns. So our networks use a different encoder ([`learning/encoders.py`](../tutorial_lib/learning/encoders.py)). Both images become 32 columns of numbers, and **every column of one is compared with every column of the other**. The table of 32 × 32 similarities is the [[correlation volume]]. A *softmax* turns each of its rows into shares that add up to 1, which show where a column reappears.
 #
-# Nobody gives the network labels for columns. It learns waypoints, headings and overlaps, and it matches columns because that helps.
+# Nobody gives the network labels for columns. It learns to predict waypoints, headings and overlaps, and matches columns because that helps.
 #
-# Below, each row of a table is a column of the current image, the leftmost on top; each column is one of the target's. Dark blue is the network's match, and orange dots are the truth. The first pair is one image twice.
+# Below, a table's rows are the current image's columns, the leftmost on top; its columns are the target's. Dark blue is the network's match, and orange dots are the truth. The first pair is the same image twice.
 
 # %% hidden=true
 # The network's matches (blue) and the true ones (orange) for four pairs of images
@@ -870,13 +870,13 @@ display(columns)
 # %% [markdown]
 # Rows without a dot show what isn't in the other image. A plain wall gives a pale smear, since one piece of it looks like the next. Repeated furniture gives a second line, and a chance of a wrong match.
 #
-# Is it worth it? We trained four encoders the same way, for a few minutes each: this one, a small copy of the paper's, and the two that the paper found worse. This one reaches [far more targets](../tutorial_lib/results/README.md#table-i-ablations); nobody has measured whether the paper's would catch up at full size.
+# Is matching worth it? We trained four encoders the same way, for a few minutes each: this one, a small copy of the paper's, and the two that the paper found worse. This one reaches [far more targets](../tutorial_lib/results/README.md#table-i-ablations); nobody has measured whether the paper's would catch up at full size.
 #
 # ## 8 · Ten seconds of school
 #
-# For each pair of images the network learns the waypoint, cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks took less than an hour each, in 120 worlds. You write a small version of that loop, and make it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
+# For each pair of images the network learns the waypoint, the cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks each took less than an hour to train, in 120 worlds. You write a small version of their training loop, and keep it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
 #
-# The test is 40 episodes: each starts up to 1 m to the side of a drive, turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before it has learnt anything, the network drives like this:
+# The test is 40 episodes: the car starts up to 1 m to the side of a drive, turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before learning anything, the network drives like this:
 
 
 # %% hidden=true
@@ -932,20 +932,20 @@ show(stacked([stacked([panel], [title]), outcome_legend()], gap=4))
 # %% [markdown]
 # ### Exercise 5 · `train_network` (large, 35 minutes)
 #
-# A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. How far is decided by the *optimizer* and its [[learning rate]] $\eta$. The loop has seven rules:
+# A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. The *optimizer* and its [[learning rate]] $\eta$ decide how far. The loop has seven rules:
 #
 # 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
 # 2. **The learning rate is set before every step.** It rises over $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, and then decays along half a cosine:
 #    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
-# 3. **Gradients don't add up**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that's longer than `max_norm` is shortened to it; others stay as they are. This is called *clipping*.
-# 4. **Evaluate** after every `eval_interval` steps, and after the last step in any case: `validate(network)` returns the loss on pairs that the network doesn't learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it's in training mode, `network.train()`.
-# 5. **Keep the best**: whenever the validation loss is smaller than ever before, keep a *copy* of the weights, `deepcopy(network.state_dict())` (imported above). At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
-# 6. **End early**: when `patience` evaluations in a row were no better than the best before them, training ends.
-# 7. **Return the history**: for each evaluation the steps made, the mean of the training losses since the last evaluation, and the validation loss.
+# 3. **Gradients don't accumulate**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that's longer than `max_norm` is shortened to that length; others stay as they are. This is called *clipping*.
+# 4. **Evaluate** after every `eval_interval` steps, and always after the last step: `validate(network)` returns the loss on pairs that the network doesn't learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it's in training mode, `network.train()`.
+# 5. **Keep the best**: whenever the validation loss is smaller than ever, keep a *copy* of the weights, `deepcopy(network.state_dict())` (imported above). At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
+# 6. **Stop early**: when `patience` evaluations in a row were no better than the best before them, training ends.
+# 7. **Return the history**: for each evaluation, the number of steps made, the mean training loss since the last evaluation, and the validation loss.
 #
-# <details><summary>Hint 1: concept</summary>One loop over the steps. Most of its lines are the same in every step (rules 1 to 3); an <code>if</code> at its end holds the evaluation (rules 4 to 7). Write the first half, run the check, and go on from what it says.</details>
+# <details><summary>Hint 1: concept</summary>One loop over the steps. Most of its lines run in every step (rules 1 to 3); an <code>if</code> at its end holds the evaluation (rules 4 to 7). Write the first half, run the check, and go on from what it says.</details>
 # <details><summary>Hint 2: approach</summary>The rate: <code>for group in optimizer.param_groups: group["lr"] = ...</code>. Clipping is one call, <code>torch.nn.utils.clip_grad_norm_(parameters, largest)</code>, between backward and step. <code>loss.item()</code> is the loss as a number; collect it in a list that you empty at every evaluation. For rules 5 and 6 remember the smallest validation loss and how many evaluations there have been since.</details>
-# <details><summary>Hint 3: one line</summary>After how many steps? A runner who drinks after every 4 km and at the finish drinks when <code>kilometre % 4 == 0 or kilometre == length</code>. Mind that <code>step</code> counts from 0, and the history counts the steps made.</details>
+# <details><summary>Hint 3: one line</summary>After how many steps? A runner who drinks after every 4 km and at the finish drinks when <code>kilometre % 4 == 0 or kilometre == length</code>. <code>step</code> counts from 0, while the history counts the steps made.</details>
 
 
 # %% exercise="train_network"
@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It falls little: even a perfect network keeps about 1, from the overlaps. The training loss, printed afterwards, is larger: there the network must also say where the photo was taken.
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, from the overlaps. The training loss, printed afterwards, is larger: in training, the network must also say where the photo was taken.
 
 # %%
 training_pairs = Source(
@@ -1080,7 +1080,7 @@ for name, rollouts in outcomes.items():
 show(stacked([side_by_side(panels, titles), outcome_legend()]))
 
 # %% [markdown]
-# Has it learnt *your flat*, or to *compare images*? A field trip tells: another flat, where neither network has ever been.
+# Has it memorised *your flat*, or learnt to *compare images*? A field trip will tell: another flat, new to both networks.
 
 # %% hidden=true
 # The same networks in another flat (about 5 s)
@@ -1095,12 +1095,12 @@ for name, network in (("your 400 steps", learnt), ("pretrained, k = 2", pretrain
 
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
-# Some of it is useless anywhere else: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why it learns from so little. What 120 worlds add is precision, and practice with colours, turns and hidden targets that one flat doesn't have.
+# Some of it is useless elsewhere: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why so little data is enough. What 120 worlds add is precision, and practice with colours, turns and hidden targets that one flat doesn't have.
 # </details>
 #
 # ## 9 · The photo at the door
 #
-# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to its waypoint. Watch whether the waypoint stays put.
+# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to the predicted waypoint. Watch whether the waypoint stays put.
 
 # %% hidden=true
 # Film: the robot drives to the photo, from above and as it sees
@@ -1136,7 +1136,7 @@ play(film, 5, 2 * STEP * np.arange(len(film)), count=3)
 # %% [markdown]
 # **Your robot drives to a photo.** No map, no coordinates, no oracle: a network that looks, and a driver that keeps off the walls.
 #
-# And the two don't know each other. Give the same network to a round robot that can turn in place; only $\mathcal C_{RMP}$ is exchanged, nothing is trained again. For comparison, an oracle drives both.
+# The two know nothing of each other. Give the same network to a round robot that can turn in place; only $\mathcal C_{RMP}$ is swapped, and nothing is retrained. For comparison, an oracle drives both.
 
 # %% hidden=true
 # A car and a round robot, driven by the same network
@@ -1151,13 +1151,13 @@ caption = f"Targets reached, of {len(fits)}"
 table({"body": "", "by camera": "d", "by the oracle": "d"}, rows, caption=caption)
 
 # %% [markdown]
-# <details><summary>Why isn't the round robot better, since it can turn in place?</summary>
-# With the oracle either body reaches every target, so the body isn't the cause. What's missing is due to waypoints, and turning in place doesn't mend a wrong waypoint. The network was trained on starts beside drives of a <i>car</i>. A robot that turns in place soon looks where no training image was taken.
+# <details><summary>Why isn't the round robot better, though it can turn in place?</summary>
+# With the oracle, either body reaches every target, so the body isn't the cause. The misses are due to waypoints, and turning in place doesn't mend a wrong waypoint. The network was trained on starts next to drives of a <i>car</i>. A robot that turns in place soon faces directions that no training image shows.
 # </details>
 #
 # ### Find the bug
 #
-# A colleague computes the context of targets for the whole recording at once, "which is simpler". It runs without an error, and training goes well; only the success near the ends of drives is strangely low. Look at the five images of one target. What's wrong? Decide before you unfold the answer.
+# A colleague computes the context of targets for the whole recording at once, "which is simpler". It runs without errors, and training goes well; only the success rate near the ends of drives is strangely low. Look at the five images of one target. What's wrong? Decide before you unfold the answer.
 
 
 # %%
@@ -1175,7 +1175,7 @@ show(side_by_side([camera_picture(image, 180) for image in images], names, gap=6
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# The recording is many drives laid end to end. Near the end of one, the images "after" the target belong to the <i>next</i> drive, somewhere else in the flat: the last images show another room. The indices must be clipped to the target's own trajectory, whose last image is repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Bugs in data don't crash. Look at a few of the network's actual inputs, and you find most of them.
+# The recording is many drives laid end to end. Near the end of one, the images "after" the target belong to the <i>next</i> drive, somewhere else in the flat: the last images show another room. The indices must be clipped to the target's own trajectory, whose last image is repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Data bugs don't crash. Look at a few of the network's actual inputs, and you'll find most of them.
 # </details>
 #
 # ## 10 · What it doesn't know
@@ -1271,7 +1271,7 @@ wont = Prediction(
 display(wont)
 
 # %% [markdown]
-# Now look at all 200, by four conditions that could matter. Watch the second row.
+# Now look at all 200, grouped by four conditions that could matter. Note the second row.
 
 # %% hidden=true
 # What the failures have in common
@@ -1290,12 +1290,12 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car or a tight place does little harm: the driver reverses and keeps off walls, by the laser. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
+# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car or a tight place does little harm: the driver reverses and keeps off walls by laser. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
 # </details>
 #
 # ## 11 · Beside the paper
 #
-# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is its twin, **in an easier world**: straight walls with painted stripes, even light. *Random* drives to random waypoints, *laser* has distances in place of the image, and the oracle shows what body and clock cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
+# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and even light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the oracle shows what body and time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
 # Success rates beside the paper's, with 95 % intervals
@@ -1332,32 +1332,32 @@ axis.set_yticks(np.linspace(0, 1, 6), range(0, 101, 20))
 show(from_figure(figure))
 
 # %% [markdown]
-# The page of results has the same controllers [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control), where context helps most behind obstacles, and [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2).
+# The results page has the same controllers [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control), where context helps most among obstacles, and [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2).
 #
 # <details><summary>Why does noise on the controls hardly matter?</summary>
-# The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, errors would add up as those of the odometry did in notebook 01.
+# The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. In open loop, errors would add up as the odometry's did in notebook 01.
 # </details>
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# Our images are simpler than those of scanned buildings, which helps. But they have 16 rows, not 64, the networks are small, and our car is larger relative to its world: its tightest circle is 1.24 m wide, that in the authors' code 0.9 m. Their direct controller imitates acceleration and steering velocity and has k = 0; ours imitates speed and steering, and has k = 2. Ours averages its waypoints; theirs doesn't, nor does yours.
+# Our images are simpler than those of scanned buildings, which helps. But they have 16 rows, not 64, the networks are small, and our car is larger relative to its world: its tightest circle is 1.24 m wide; in the authors' code, it's 0.9 m. Their direct controller imitates acceleration and steering velocity and has k = 0; ours imitates speed and steering, and has k = 2. Our $\mathcal C$ averages its waypoints; theirs doesn't, nor does yours.
 # </details>
 #
-# **Close it and draw the pipeline**, with your function names: from two images to the wheels.
+# **Close the notebook and draw the pipeline**, with your function names: from two images to the wheels.
 #
 # After this notebook you can
 #
 # - build a reactive driver from small *motion policies*, each with an acceleration and a weight;
 # - say which labels train a network to guide a car to a photo, and compute them from a recorded drive;
 # - explain how a network compares two images, and why half of that work is done only once;
-# - write the loop that trains a network, and watch a car drive by yours.
+# - write the loop that trains a network, and watch that network drive a car.
 #
 # <details><summary>Extras, if you like</summary>
 # Draw the blocks of section 8 with <code>vary=True</code>, which changes the colours at random, and train again: what do you gain elsewhere, and what does it cost?
 #
-# <code>DirectNetwork("direct_k2")</code> of <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>TargetPolicy(direct, targets_of(direct, forty))</code> drives by it. Where does it fail where the waypoints don't?
+# <code>DirectNetwork("direct_k2")</code> from <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>TargetPolicy(direct, targets_of(direct, forty))</code> drives with it. Where does it fail where the waypoints don't?
 #
-# Give the car of section 3 a damping of 1.0 in place of 3.0. What does it do at the door? What would a policy look like that keeps a car from driving faster than it can see?
+# Give the car of section 3 a damping of 1.0 instead of 3.0. What does it do at the door? What would a policy look like that keeps a car from driving faster than it can see?
 #
 # In <code>waypoint_label</code>, take the <i>nearest</i> point in sight that's at least 1 m away. Which rollouts would become smoother, and which worse?
 # </details>
 #
-# Tonight your robot drives to what a photo shows, and most of the time it arrives. But hold up a photo from the far end of the flat, or of a wall it can't see: it sets off just the same. It can't say *I won't make that*. In [notebook 03](03_reachability.ipynb) you teach it to. The paper's III-C is good reading until then.
+# Tonight your robot drives to the place in a photo, and usually arrives. But hold up a photo from the far end of the flat, or of a wall it can't see, and it sets off just the same. It can't say *I won't make that*. In [notebook 03](03_reachability.ipynb) you'll teach it to. The paper's III-C is good reading until then.
