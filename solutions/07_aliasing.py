@@ -1,11 +1,11 @@
 # %% [markdown]
 # # 07 · When places look alike
 #
-# **The office next door.** Its rooms were drawn once and copied: the same desk, the same cupboard, the same door. Your robot has a map of thirty drives through it, and a photo of the green place. Amber is its first plan. Each arrowhead is a photo that it expects to see.
+# **The office next door.** Its rooms were drawn once and copied: the same desk, the same cupboard, the same door. Your robot has a map built from thirty drives through it, and a photo of the green place. Its first plan is in amber. Each arrowhead marks a photo the robot expects to see.
 #
-# You can tell which room it's in. The robot has one picture. *Which way will it turn at its door?*
+# You can tell which room it's in. The robot has only one picture. *Which way will it turn at the door?*
 #
-# By the end it'll say "I'm in room 0, 1, 2 or 3", which is the truth. Someone will carry it off, and it'll notice. And it'll find out, while it drives, that it was wrong.
+# By the end, it'll say "I'm in room 0, 1, 2 or 3", which is the truth. Someone will carry it off, and it'll notice. And it'll find out, while driving, that it was wrong.
 
 # %% hidden=true
 # The office next door, and a map of thirty drives (about 15 s)
@@ -190,23 +190,23 @@ turn = Prediction(
 display(turn)
 
 # %% [markdown]
-# **100 minutes.** You need notebooks 05 and 06: maps whose edges carry RE, in formulas $\mathcal{RE}$, and a navigator that plans on them. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020, and for the filter S. Thrun, W. Burgard and D. Fox, [*Probabilistic Robotics*](https://mitpress.mit.edu/9780262201629/probabilistic-robotics/), 2005, chapters 2 and 4.
+# **100 minutes.** You need notebooks 05 and 06: maps whose edges carry RE, written $\mathcal{RE}$ in formulas, and a navigator that plans on them. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020, and, for the filter, S. Thrun, W. Burgard and D. Fox, [*Probabilistic Robotics*](https://mitpress.mit.edu/9780262201629/probabilistic-robotics/), 2005, chapters 2 and 4.
 #
 # **Three old questions first.**
 #
 # <details><summary>Notebook 05: one photo lied, and a map got a wormhole. What did you ask for instead of one photo?</summary>
-# A sequence: the anchors before and after must match, too. Two corridors may share one photo, hardly five in a row.
+# A sequence: the anchors before and after must match, too. Two corridors may share one photo, but hardly five in a row.
 # </details>
 # <details><summary>Notebook 06: which hops of a plan rest on a single view?</summary>
 # The first and the last: from here onto the map, and from the map to the photo.
 # </details>
-# <details><summary>Notebook 06: why does a planner find the mistakes of its map?</summary>
+# <details><summary>Notebook 06: why does a planner find the mistakes in its map?</summary>
 # It chooses what promises most, and a false edge promises more than the truth.
 # </details>
 #
 # ## 1 · The same picture
 #
-# Your robot would've made a second plan. But what was wrong with the first? Watch what RE says about three pictures.
+# In notebook 06, your robot would've planned again. But what was wrong with the first plan? See what RE says about three pictures.
 
 # %% hidden=true
 # Three pictures, and RE between them
@@ -227,11 +227,11 @@ head = {"RE": "", **dict.fromkeys(titles, ".2f")}
 table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, strict=True)])
 
 # %% [markdown]
-# Except for a bit of corridor in the doorway, the first two *are* one picture, and no network can tell them apart. That's **[[perceptual aliasing]]**. And RE isn't wrong: most pairs that look like this *are* in one room. What's missing isn't in the picture. It's in **how the robot came here**.
+# Except for a bit of corridor in the doorway, the first two *are* the same picture, and no network can tell them apart. That's **[[perceptual aliasing]]**. And RE isn't wrong: most pairs that look like this *are* from the same room. What's missing isn't in the picture. It's in **how the robot got here**.
 #
 # ## 2 · Through the wall
 #
-# Two more robots use the same map. They start in rooms that have no twin, so they know where they are. But the rooms that they look for have twins. Vermilion legs are longer than 5 m. Watch what each robot sees, what it expects, and what the first one says at the end.
+# Two more robots use the same map. They start in rooms that have no twin, so they know where they are. But the rooms they're looking for have twins. Legs longer than 5 m are vermilion. Watch what each robot sees, what it expects, and what the first one says at the end.
 
 
 # %% hidden=true
@@ -274,9 +274,9 @@ for i, (start, end) in enumerate(lured_trials.pairs):
     display(film_of(lured, single_poses, i, lured_trials.goal_poses[i]))
 
 # %% [markdown]
-# Such an edge is a **[[wormhole]]**: a step on the map, a long drive in the building. The first robot says it's arrived. It's next door, in the twin. Neither did anything wrong: their photos fit two places.
+# Such a leg is a **[[wormhole]]**: one step on the map, a long drive in the building. The first robot says it's arrived, but it's next door, in the twin. Neither robot did anything wrong: the photos fit two places.
 #
-# The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that only look alike have neighbours that don't, sooner or later. Ours asks for four matches on either side, for edges and for reuse.
+# The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that merely look alike have neighbours that don't, sooner or later. We ask for four matches on either side, for edges and for reuse.
 
 # %% hidden=true
 # Two maps of the same drives (about 5 s)
@@ -333,37 +333,37 @@ head = {"map by": "", "vertices": "d", "edges": "d", "wormholes": "d", "share": 
 table({**head, "edges of a plan": ".1f"}, rows)
 
 # %% [markdown]
-# On the folded map a plan is short, probable, and often wrong, and planners *look for* short cuts. Sequences unfold it, but not all the way. Where a drive *begins* in a twin, nothing comes before it, and along a corridor of equal doors the neighbours are twins, too.
+# On the folded map, a plan is short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing comes before, and along a corridor of identical doors, the neighbours are twins, too.
 #
 # ## 3 · A belief
 #
-# The robot asks "where am I?" There are three answers:
+# The robot asks, "Where am I?" There are three answers:
 #
-# - **argmax**: at the vertex that looks most like this;
-# - **a sequence**: where the last few views fit, one after the other (III-G);
-# - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves, it moves along the edges. When the robot looks, vertices that look like the view gain.
+# - **argmax**: at the vertex that looks most like the view;
+# - **a sequence**: where the last few views fit in order (III-G);
+# - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves, belief moves along the edges. When the robot looks, vertices that resemble the view gain.
 #
-# Only a belief can say "in room 0, 1, 2 or 3". The paper declines it: it would need "a unique state (e.g., global pose) associated with each observation" (III-G). We build it anyway. Vertices are the states, and the wheels say how far the robot moved.
+# Only a belief can say "in room 0, 1, 2 or 3". The paper decides against it: it would need "a unique state (e.g., global pose) associated with each observation" (III-G). We build one anyway. Vertices are the states, and the wheels say how far the robot moved.
 #
 # ### Predict
 #
-# $b_v$ is the belief in state $v$: a vertex or, as the last one, off the map. The wheels measure a motion of $d$ metres; a turn counts, too. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, about the share $d/\ell_v$ leaves for a small $d$, and never more than all. Two motions by $d$ must leave as much behind as one by $2d$. Only one function does that:
+# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres; a turn counts, too. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, a share of about $d/\ell_v$ leaves for small $d$, and never more than all. Two motions of $d$ must leave as much behind as one of $2d$. Only one function does that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
 # $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and the last row leads anywhere. $\bar b$ is the **[[prior]]**, what's believed before the next look. Drift hardly matters: only the *last* motion is used.
 #
 # <details><summary>What's the prior after no motion at all? After a very large one?</summary>
-# Nothing leaves: the prior is the belief. After a very large motion all of it has left, but over one edge only. So predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
+# Nothing leaves: the prior is the belief. After a very large motion, all of it has left, but crossed only one edge. So predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
 # </details>
 #
 # ### Exercise 1 · `predict` (medium, 8 minutes)
 #
-# For N robots at once: each row of `belief` is one robot, with V + 1 columns.
+# Predict for N robots at once: each row of `belief` is one robot's, with V + 1 columns.
 #
-# <details><summary>Hint 1: concept</summary>Each robot has its own motion, each state its own length: the shares that leave are a table with a row for each robot and a column for each state.</details>
-# <details><summary>Hint 2: approach</summary>motion[:, None] / lengths is a table (N, V + 1). What leaves is belief * leave. What stays is the rest of the belief. What leaves is sent on by a product of matrices.</details>
-# <details><summary>Hint 3: one line</summary>If out is a table of what leaves each state, a row for each robot, then out @ onward is a table of what arrives at each.</details>
+# <details><summary>Hint 1: concept</summary>Each robot has its own motion, each state its own length: the shares that leave form a table with a row for each robot and a column for each state.</details>
+# <details><summary>Hint 2: approach</summary>motion[:, None] / lengths is a table (N, V + 1). What leaves is belief * leave. What stays is the rest of the belief. What leaves is sent on by a matrix product.</details>
+# <details><summary>Hint 3: one line</summary>If out is a table of what leaves each state, one row per robot, then out @ onward is a table of what arrives at each.</details>
 
 
 # %% exercise="predict"
@@ -389,19 +389,19 @@ predict = check_predict.use(predict)
 # %% [markdown]
 # ### Update
 #
-# The robot looks. Each vertex has a **[[likelihood]]**: how likely is this view, if the robot is there? We take the overlap of both views as notebook 02's waypoint network predicts it: nearly 1 at the vertex, a half from 1.5 m away, little elsewhere, *unless it looks alike*. RE would be worse: it's high for all that lies ahead. Off the map, any view is equally likely. Then Bayes' rule:
+# The robot looks. Each vertex has a **[[likelihood]]**: how likely is this view if the robot is there? We take the overlap of the two views as notebook 02's waypoint network predicts it: nearly 1 at the vertex, a half at 1.5 m, little elsewhere, *except in look-alikes*. RE would be worse: it's high for everything ahead. Off the map, every view is equally likely. Then apply Bayes' rule:
 #
 # $$ b_v \;\propto\; \bar b_v \cdot p(\text{view} \mid v), \qquad \sum_v b_v = 1 . $$
 #
-# Only the *ratios* of likelihoods count. Say each twin holds half of the belief. A view that's as likely in both leaves it half and half.
+# Only the *ratios* of likelihoods count. Say each twin holds half the belief. A view that's equally likely in both leaves it half and half.
 #
 # ### Exercise 2 · `update` (easy, 5 minutes)
 #
 # Sometimes *no* state is possible: all products are 0, not merely tiny. Then the robot is off the map, which is the last state.
 #
-# <details><summary>Hint 1: concept</summary>A product, and a division by its sum, for each row by itself.</details>
-# <details><summary>Hint 2: approach</summary>Where a row of products sums to 0, set its last entry to 1 before you divide; then no division by 0 is left.</details>
-# <details><summary>Hint 3: one line</summary>table[rows, -1] = 1 sets the last column of some rows, where rows is an array of True and False; table.sum(axis=1, keepdims=True) has a row for each robot, and can divide the table.</details>
+# <details><summary>Hint 1: concept</summary>A product and a division by its sum, row by row.</details>
+# <details><summary>Hint 2: approach</summary>Where a row of products sums to 0, set its last entry to 1 before you divide; then nothing is divided by 0.</details>
+# <details><summary>Hint 3: one line</summary>With a Boolean array rows, table[rows, -1] = 1 sets the last entry of each row marked True; table.sum(axis=1, keepdims=True) has a row for each robot, so you can divide the table by it.</details>
 
 
 # %% exercise="update"
@@ -427,7 +427,7 @@ update = check_update.use(update)
 # %% [markdown]
 # ### A corridor by hand
 #
-# Eight vertices are a metre apart; the letters say what they look like. A robot starts at 1, and doesn't know it. Bars are its belief after the first look; the green line is the truth.
+# Eight vertices are a metre apart; the letters say what they look like. A robot starts at 1 and doesn't know it. The bars are its belief after the first look; the green line is the truth.
 
 # %% hidden=true
 # The corridor of eight vertices: the belief step by step
@@ -476,7 +476,7 @@ corridor = Prediction(
 display(corridor)
 
 # %% [markdown]
-# The robot was never wrong on the way: it *didn't know*, and said so. Go through it step by step.
+# The robot was never wrong on the way: it *didn't know*, and said so. Replay its drive step by step.
 
 # %% hidden=true
 # The corridor, with a slider
@@ -489,18 +489,18 @@ sliders(
 # %% [markdown]
 # ## 4 · Sequences
 #
-# The belief sums over *all* paths on which the robot may have come here. Sequence matching takes the last few views only, and of all paths the *best* one; III-G asks for it, and leaves open how. It needs no motion. From one view to the next the robot stayed at its vertex, or came from the one before on the drive.
+# The belief sums over *all* paths by which the robot may have come here. Sequence matching takes only the last few views and, of all paths, the *best* one; III-G asks for it, but doesn't say how. It needs no odometry. From one view to the next, the robot stayed at its vertex or came from the one before it on the drive.
 #
-# For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. With more views, the result so far takes the place of $p_1$.
+# For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. With more views, the result so far replaces $p_1$.
 #
-# Say rooms A and B look alike, the corridors before them don't, and the robot came into A. After one view both score the same. After two, A wins.
+# Say rooms A and B look alike, the corridors outside don't, and the robot drove into A. With one view, both score the same. With two, A wins.
 #
 # ### Exercise 3 · `match_sequence` (medium, 12 minutes)
 #
 # So that sequences of different lengths can be compared, take the T-th root of the product of T likelihoods (their geometric mean).
 #
-# <details><summary>Hint 1: concept</summary>Go through the views from the first to the last, and keep for each vertex the best product of a sequence that ends there.</details>
-# <details><summary>Hint 2: approach</summary>total[before] holds for each vertex the product at the vertex before; where before is -1 there is none, and 0 must stand in its place: np.where. Then the greater of staying and coming, times the new view.</details>
+# <details><summary>Hint 1: concept</summary>Go through the views from the first to the last, and keep, for each vertex, the best product of a sequence that ends there.</details>
+# <details><summary>Hint 2: approach</summary>total[before] holds, for each vertex, the product at the vertex before it; where before is -1 there is none, and np.where can put 0 in its place. Then multiply the greater of staying and coming by the new view's likelihood.</details>
 # <details><summary>Hint 3: one line</summary>np.maximum(a, b) takes the greater of each pair; x ** (1 / n) is the n-th root.</details>
 
 
@@ -531,15 +531,15 @@ match_sequence = check_match_sequence.use(match_sequence)
 # %% [markdown]
 # ## 5 · Half-way, somebody carries it off
 #
-# Your robot drives from a twin to the green place; its wheels drift. Half-way somebody carries it to another room, and the odometer doesn't notice. In notebook 06 the [[kidnapped robot]] had to get lost first. What does a belief do?
+# Your robot drives from a twin to the green place; its odometry drifts. Half-way, somebody carries it to another room, and the odometer doesn't notice. In notebook 06, the [[kidnapped robot]] had to get lost before it noticed. What does a belief do?
 #
 # First you need the loop around `predict` and `update`. It decides three things.
 #
-# - **When to look?** A look costs a pass of the network, so the robot looks only now and then.
-# - **What does it learn while it stands still?** Nothing new. *The same evidence must not count twice*, or a minute at a wall would make it sure of anything. So each update starts from the **prior of the last motion**, not from the belief.
-# - **Where is it, in one word?** At the state with the most belief. But two neighbours that take turns would make it flicker, so there's a [[hysteresis]].
+# - **When to look?** A look costs a pass through the network, so the robot looks only now and then.
+# - **What does it learn while it stands still?** Nothing new. *The same evidence must not count twice*, or a minute facing a wall would make it sure of anything. So each update starts from the **prior after the last motion**, not from the belief.
+# - **Where is it, in a word?** At the state with the most belief. But two neighbours taking turns would make the answer flicker, so there's [[hysteresis]].
 #
-# Pictures may deceive, so each likelihood is at least `rules.least`; off the map it's `rules.unknown`. All are raised to the power `rules.sharpness`. Neighbouring views repeat their evidence: a smaller power makes each count for less.
+# Pictures may deceive, so each likelihood is at least `rules.least`; off the map it's `rules.unknown`. All are raised to the power `rules.sharpness`. Successive views repeat each other's evidence: a smaller power makes each count for less.
 
 # %%
 rules = FilterSettings()
@@ -548,15 +548,15 @@ print(rules)
 # %% [markdown]
 # ### Exercise 4 · `track` (large, 35 minutes)
 #
-# At the start nothing is known: the belief is the same for all states, it's also the first prior, and the vertex is -1. Do this at each step:
+# At the start, nothing is known: the belief, which is also the first prior, is the same for all states, and the vertex is -1. At each step:
 #
-# 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that's at least `rules.stride`, predict from the *belief*; this is the new prior, and `pose` is the new `last`.
+# 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that's at least `rules.stride`, predict from the *belief*; the result is the new prior, and `pose` is the new `last`.
 # 2. If it has moved that far, or this is the first step, or `rules.interval` steps have passed since the last look: look, and update from the *prior*.
-# 3. Choose the vertex: keep it while its belief is at least `rules.hysteresis` times the greatest; otherwise the one with the greatest, and -1 if that's the last state.
+# 3. Choose the vertex: keep the old one while its belief is at least `rules.hysteresis` times the greatest; otherwise take the state with the greatest, or -1 if that's the last state.
 #
 # <details><summary>Hint 1: concept</summary>Five things are remembered from step to step: the belief, the prior, the pose of the last prediction, the steps since the last look, and the vertex.</details>
-# <details><summary>Hint 2: approach</summary>Belief and prior are arrays (1, V + 1), the motion for predict is np.array([metres]). The likelihoods for update: np.maximum(look(step), rules.least), with rules.unknown appended, to the power of rules.sharpness, and as one row: [None]. belief[0, -1] is that of being off the map, so vertex -1 needs no case of its own when you look up its belief.</details>
-# <details><summary>Hint 3: one line</summary>Count waited += 1 at each step before you compare it, also in the step after a look, and set it to 0 when the robot looks; which value must it begin with, so that the first step looks?</details>
+# <details><summary>Hint 2: approach</summary>Belief and prior are arrays (1, V + 1); the motion for predict is np.array([metres]). The likelihoods for update are np.maximum(look(step), rules.least) with rules.unknown appended, raised to the power rules.sharpness, as one row: [None]. belief[0, -1] is off the map, so vertex -1 needs no case of its own when you look up its belief.</details>
+# <details><summary>Hint 3: one line</summary>Add 1 to waited at each step before you compare it, also in the step after a look, and set it to 0 when the robot looks; which value must it begin with so that the robot looks in the first step?</details>
 
 
 # %% exercise="track"
@@ -600,7 +600,7 @@ def track(odometry, look, lengths, onward, rules):
 track = check_track.use(track)
 
 # %% [markdown]
-# Purple discs are the belief. The black ring is where your robot thinks it is, the blue arrowhead where it is. The bar at the left edge is the belief that it's off the map. (About 8 s.)
+# Purple discs are the belief. The black ring is where your robot thinks it is, the blue arrowhead where it really is. The bar at the left edge is the belief that it's off the map. (About 8 s.)
 
 # %% hidden=true
 # A drive that is cut and goes on elsewhere, and the belief along it
@@ -705,7 +705,7 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# Now go through the whole drive. Watch how the belief begins in a room that has twins, and when it settles on one.
+# Now go through the whole drive. Watch how the belief begins in a room with twins, and when it settles on one of them.
 
 
 # %% hidden=true
@@ -770,15 +770,15 @@ title = "The belief changes its mind least, and says when it's lost"
 show(stacked([from_figure(figure)], [title]))
 
 # %% [markdown]
-# Argmax jumps from twin to twin. Four views jump less, but remember only the last few metres. The belief begins in all twins at once, with a ring that's a guess, and finds out in the corridor.
+# Argmax jumps from twin to twin. Sequences of four jump less, but remember only the last few metres. The belief begins in all twins at once, its ring a guess, and settles in the corridor.
 #
-# [Over ten offices](../tutorial_lib/results/README.md#a-belief-over-vertices), where the robot is sure of its place, it's nearly always right. In corridors of equal doors it's right in about half of the steps: nothing that it sees counts the doors.
+# [Over ten offices](../tutorial_lib/results/README.md#a-belief-over-vertices), where the robot is sure of its place, it's nearly always right. In corridors of identical doors, it's right in about half of the steps: no view tells one door from another.
 #
 # ## 6 · Your own filter
 #
-# **An open task.** Four numbers decide how your robot believes: `unknown`, `least`, `sharpness`, `hysteresis`. Too little doubt, and it swears that it's in the wrong room. Too much, and it's off the map for ever.
+# **An open task.** Four numbers shape your robot's belief: `unknown`, `least`, `sharpness`, `hysteresis`. Too little doubt, and it swears it's in a room where it isn't. Too much, and it's off the map for ever.
 #
-# The score: of 100 steps, **right (within 2.5 m) is +1, off the map 0, wrong −1**. 100 is perfect. You tune on **drive A**, the one above. The league scores on **drive B**, which you don't get to see: four other trips in a row, so somebody carries your robot off three times.
+# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**, above. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
 
 # %% hidden=true
 # Drive A at four settings
@@ -849,22 +849,22 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good filters, quite different; enter yours first</summary>
-# <i>Believe slowly.</i> <code>sharpness=1, least=0.005, hysteresis=0.2</code>: views close to each other repeat their evidence, so each should count for less. Then no twin wins by a few pixels. <i>Doubt soon.</i> <code>unknown=0.6, sharpness=2, hysteresis=0.9</code>: your robot is off the map much more often, and changes its vertex at once. That turns wrong steps into silent ones, and hardly costs a right one. The best on drive A needn't be the best on drive B: whoever picks the best of many settings picks luck, too.
+# <i>Believe slowly.</i> <code>sharpness=1, least=0.005, hysteresis=0.2</code>: successive views share evidence, so each should count for less. Then no twin wins by a few pixels. <i>Doubt soon.</i> <code>unknown=0.6, sharpness=2, hysteresis=0.9</code>: your robot is off the map much more often, and changes its vertex at once. That turns wrong steps into silent ones, and costs hardly any right ones. The best settings on drive A needn't be the best on drive B: whoever picks the best of many picks luck, too.
 # </details>
 #
 # ## 7 · Round and round
 #
-# A robot in a twin misses the next photo, and plans again. The best plan may lead back to where it came from, and there the best plan leads forward again. So it needs a memory of where it has been. The paper leaves that to future work (III-G): count the visits, and plan *around* what was visited often. The rules are ours.
+# A robot in a twin can't find its next photo, and plans again. The best plan may lead back to where it came from, and the next one forward again. So the robot must remember where it has been. The paper leaves that to future work (III-G): count the visits, and plan *around* what was visited often. The rules are ours.
 #
-# Don't remove a vertex that was visited twice: the only way out of a dead end is the way in. The edges to it just become less probable, so any other path comes first.
+# Don't remove a vertex that was visited twice: the only way out of a dead end is the way in. Just make the edges to it less probable, so other paths come first.
 #
 # ### Exercise 5 · `around_cycles` (easy, 8 minutes)
 #
-# A *visit* is an arrival: a vertex that stands several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported.
+# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported.
 #
-# <details><summary>Hint 1: concept</summary>First leave out the repetitions in a row, then count, then build a new graph.</details>
-# <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list; the first one has none before it, and counts. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, an edge to w with its RE times a power of the bias.</details>
-# <details><summary>Hint 3: one line</summary>The power is 0 for no visit and for one, 1 for two, 2 for three: max(visits[w] - 1, 0).</details>
+# <details><summary>Hint 1: concept</summary>First drop immediate repetitions, then count, then build a new graph.</details>
+# <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list; the first one has none before it, and counts. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, in which an edge to w has its RE times a power of the bias.</details>
+# <details><summary>Hint 3: one line</summary>The exponent is 0 for no visit or one, 1 for two, 2 for three: max(visits[w] - 1, 0).</details>
 
 
 # %% exercise="around_cycles"
@@ -899,7 +899,7 @@ around_cycles = check_around_cycles.use(around_cycles)
 # %% [markdown]
 # ## 8 · The same door, once more
 #
-# Here's the first screen's trip, with the map by sequences, a belief, a count of visits, and as many plans as it takes. It still can't know which room it's in. Watch for when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
+# Here's the first screen's trip, with the map built by sequences, a belief, a count of visits, and as many plans as it takes. The robot still can't know which room it's in. Watch for when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
 
 # %% hidden=true
 # The first screen's trip with all remedies (about 15 s)
@@ -915,16 +915,16 @@ print(f"{yesterday.outcome.success[some].sum()} of {len(some)}.")
 film_of(today, map_poses, again, at_goal, 8)
 
 # %% [markdown]
-# It begins with the same mistake. Then views that don't fit move the belief, the plan is dropped, and it plans from where it now thinks it is.
+# The robot begins with the same mistake. Then views that don't fit move the belief; the robot drops its plan and makes another from where it now thinks it is.
 #
 # ## 9 · Which remedy was it?
 #
-# A handful of trips can't tell. Here are 500 in ten offices, as `python -m tutorial_lib experiment meng_fig12` ran them.
+# A handful of trips can't tell. Here are 500 in ten offices, run by `python -m tutorial_lib experiment meng_fig12`.
 #
-# - `sequence`: sequences confirm edges, reused vertices, and the robot's own vertex; a [[turn edge]], which none confirms, is a last resort;
-# - `replan`: a lost robot plans again, and so does one that has coasted for long;
-# - `cycles`: visits are counted, and plans lead around them;
-# - `filter`: the belief says where a plan begins, and when it's void. Off the map, the robot turns, backs up, and says *lost* if no vertex is plausible.
+# - `sequence`: sequences confirm edges, reused vertices, and the robot's own vertex; a [[turn edge]], which no sequence confirms, is a last resort;
+# - `replan`: a lost robot plans again, and so does one that has coasted for too long;
+# - `cycles`: visits are counted, and plans avoid vertices visited often;
+# - `filter`: the belief says where a plan begins, and when to drop it. Off the map, the robot turns, backs up, and says *lost* if no vertex is plausible.
 
 # %% hidden=true
 # Success by remedy, from a stored run
@@ -978,24 +978,24 @@ remedy = Prediction(
 display(remedy)
 
 # %% [markdown]
-# Read the chart in pairs: what a remedy adds *alone*, and what's missing *without* it. Remedies may stand in for each other, or need each other. Left out, replanning is missed most, then the filter, then sequences. The [page of results](../tutorial_lib/results/README.md#fig-12-starts-that-look-alike) has the table; the paper shows one example.
+# Read the chart in pairs: what a remedy adds *alone*, and what's lost *without* it. Remedies may stand in for each other, or need each other. Left out, replanning is missed most, then the filter, then sequences. The [page of results](../tutorial_lib/results/README.md#fig-12-starts-that-look-alike) has the table; the paper shows one example.
 #
 # <details><summary>Alone, three of them do nothing. Why are two of those missed when they're left out?</summary>
-# They need each other. On a folded map a belief can't tell twins apart. On the map by sequences it can, and more of the first plans begin in the right room, even where none may follow.
+# They need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and more of the first plans begin in the right room, even if no second plan is allowed.
 # </details>
-# <details><summary>Do sequences and cycles do harm next to replanning?</summary>
-# Without the filter, the other three together reach less than replanning alone, and more of their trips are out of time. A likely reason: on the map by sequences twins are different places, so it matters in which one a plan begins. Without a belief it often begins in the wrong one.
+# <details><summary>Do sequences and counting visits harm replanning?</summary>
+# Without the filter, the other three together reach less than replanning alone, and more of their trips are out of time. A likely reason: with sequences, twins are different places, so it matters in which one a plan begins. Without a belief, it often begins in the wrong one.
 # </details>
-# <details><summary>What are cycles good for, then?</summary>
-# They're insurance. Where the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
+# <details><summary>So what good is counting visits?</summary>
+# It's insurance. When the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
 # </details>
-# <details><summary>One edge in five is a wormhole even with sequences, in the ten offices?</summary>
-# These offices are as bad as can be, on average far worse than yours. A sequence of nine anchors that lies inside the twins matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences bring are good edges: the map that isn't folded has four times as many vertices. And so plans must be given up as easily as they're made.
+# <details><summary>One edge in five is a wormhole even with sequences, in the ten offices. Why?</summary>
+# These offices are as bad as they come, on average far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences bring is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
 # </details>
 #
 # ## 10 · The failures that remain
 #
-# Here are two of yesterday's trips. Amber was planned, light blue was driven. Was the *map* wrong, the *localization*, or the *drive*? And which remedy would've helped?
+# Here are two of yesterday's trips. Amber was planned, light blue was driven. What was wrong: the *map*, the *localization* or the *drive*? And which remedy would've helped?
 
 # %% hidden=true
 # Two of yesterday's trips that failed, one from room 0 and one from a twin
@@ -1015,22 +1015,22 @@ show(side_by_side(gallery, names))
 
 # %% [markdown]
 # <details><summary>What was wrong?</summary>
-# Not the map: both robots have the same plan, out of room 0 and along the corridor, and no edge of it is a wormhole. It's the localization, twice. <i>From 2</i> the robot thinks it's in room 0. Planning again doesn't save it: with that alone it runs out of time. <i>From 0</i> it's right about its room. But in the corridor it takes one door for another, and jumps 6 m ahead on its plan. Here planning again is enough. With all remedies both arrive.
+# Not the map: both robots have the same plan, out of room 0 and along the corridor, and none of its edges is a wormhole. It's the localization, twice. The robot <i>from 2</i> thinks it's in room 0. Planning again doesn't save it: with that alone, it runs out of time. The one <i>from 0</i> is right about its room. But in the corridor it takes one door for another, and jumps 6 m ahead in its plan. Here, planning again is enough. With all remedies, both arrive.
 # </details>
 #
-# Here are three cases for a robot with all remedies. Does it fail?
+# Does a robot with all remedies fail in these three cases?
 #
-# <details><summary>It's carried from one room to its twin, to the same spot; its goal lies outside.</summary>
-# No, but it takes longer. Nothing in the room contradicts it; outside, the views do, and it plans again. If its goal were <i>in</i> the room, it would arrive there and not know that it's the wrong one.
+# <details><summary>It's carried from one room to the same spot in its twin; the goal lies outside.</summary>
+# No, but it takes longer. Nothing in the room contradicts its belief; outside, the views do, and it plans again. If the goal were <i>in</i> the room, it would arrive in the wrong room and not know it.
 # </details>
-# <details><summary>It starts in a twin, and the goal can be seen from neither.</summary>
-# No. It drives off from the likelier twin, and learns on the drive which one it was.
+# <details><summary>It starts in one of two twins, and the goal can't be seen from either.</summary>
+# No. It plans from the likelier twin, and learns on the drive which one it was in.
 # </details>
 # <details><summary>Its map has one wormhole in the only corridor to the goal.</summary>
 # Yes, if every plan leads through it. The belief says, again and again, that the robot isn't where the plan has it. But no edge learns from that.
 # </details>
 #
-# **Close it and draw the pipeline**, with your function names: from a look and a turn of the wheels to one vertex.
+# **Close the notebook and draw the pipeline**, with your function names: from a look and a turn of the wheels to one vertex.
 #
 # After this notebook you can
 #
@@ -1041,12 +1041,12 @@ show(side_by_side(gallery, names))
 # - say which remedy helps against which failure, and measure it.
 #
 # <details><summary>Extras, if you like</summary>
-# 1. Replace the likelihood by RE. In the cell of section 5's drive, let <code>look</code> return <code>topomap.vertices.into(self.observations, np.full(len(alive), step), alive)</code>. What becomes of being off the map, and why?
+# 1. Replace the likelihood with RE. In the cell of section 5's drive, let <code>look</code> return <code>topomap.vertices.into(self.observations, np.full(len(alive), step), alive)</code>. What happens to the belief off the map, and why?
 # <br>2. Write a <code>distance</code> that counts metres only. What happens to a car that turns sharply?
-# <br>3. A <i>maximum</i> filter: in <code>predict</code> keep, of all that arrives at a state, the greatest instead of the sum, and divide each row by its sum. That's Viterbi's algorithm, and nearly <code>match_sequence</code>.
-# <br>For 2 and 3, define the function in a new cell and run that of the drive again. Both need <i>your</i> <code>track</code>: the library's calls its own functions. And run no check meanwhile, or it puts the library's in place of yours.
+# <br>3. A <i>maximum</i> filter: in <code>predict</code>, keep the greatest of all that arrives at a state instead of the sum, and divide each row by its sum. That's the Viterbi algorithm, and nearly <code>match_sequence</code>.
+# <br>For 2 and 3, define the function in a new cell and run the drive's cell again. Both need <i>your</i> <code>track</code>: the library's calls its own functions. And run no check meanwhile: it would replace your functions with the library's.
 # </details>
 #
-# Tonight your robot says *lost* when it's lost, and finds itself again. But it writes nothing down: the edge that fooled it today will fool it tomorrow. In [notebook 08](08_lifelong_maps.ipynb) somebody shuts a door, and the map learns.
+# Tonight your robot says *lost* when it's lost, and finds its place again. But it writes nothing down: the edge that fooled it today will fool it tomorrow. In [notebook 08](08_lifelong_maps.ipynb) somebody shuts a door, and the map learns.
 #
 # Good reading: the paper, III-G; on Bayes filters over topological maps, L. Suomela, J. Kalliola, H. Edelman and J.-K. Kämäräinen, [*PlaceNav*](https://arxiv.org/abs/2309.17260) (ICRA 2024); on sequences, M. J. Milford and G. F. Wyeth, [*SeqSLAM*](https://doi.org/10.1109/ICRA.2012.6224623) (ICRA 2012).

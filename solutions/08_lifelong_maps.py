@@ -1,11 +1,11 @@
 # %% [markdown]
 # # 08 · The morning the door was shut
 #
-# **One shut door.** Overnight, someone shuts a door. At home that's the end of a trip: your flat has one way to each room. So we're on a field trip, to an office with a corridor all round. Six trips lead through one door, on yesterday's map (grey). Now the door's shut (pink), and there's a way round.
+# **One shut door.** Overnight, someone shuts a door. At home, that's the end of a trip: your flat has only one way into each room. So we're on a field trip to an office with a corridor all round. On yesterday's map (grey), six trips lead through one door. Now the door's shut (pink), but there's a way round.
 #
 # *The door stays shut. How many of the same trips arrive tomorrow?*
 #
-# By the end, your robot's map will learn from every drive: what works gets surer, what fails goes, and a door that opens again is used again.
+# By the end, your robot's map learns from every drive: what works becomes surer, what fails is dropped, and a door that reopens is used again.
 
 # %% hidden=true
 # An office, a tour through it, and six trips through one door (about 20 s)
@@ -127,17 +127,17 @@ again = Prediction(
 display(again)
 
 # %% [markdown]
-# **100 minutes.** You need notebooks 05 and 06, and Bayes' rule from 07. Once your function passes its check, the cells below **use yours**. You needn't read folded cells. We follow R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (LTVN), RA-L 2022. The thresholds are ours.
+# **100 minutes.** You need notebooks 05 and 06, and Bayes' rule from 07. Once your function passes its check, the cells below **use it**. You can skip folded code. We follow R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (LTVN), RA-L 2022. The thresholds are ours.
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 06: a robot couldn't reach a vertex. What does it leave out of its next plan, and for how long?</summary>
-# The edge that failed and those beside it, for two minutes. Then the failure's forgotten, and the map never hears of it.
+# <details><summary>Notebook 06: a robot can't reach a vertex. What does it leave out of its next plan, and for how long?</summary>
+# The edge that failed and those next to it, for two minutes. Then the failure's forgotten, and the map never hears of it.
 # </details>
 # <details><summary>Notebook 05: when does a new drive remove an old vertex?</summary>
-# When it passes there, and RE to the vertex stays low all the way past. A robot that doesn't pass has no say.
+# When it passes the vertex, and RE to the vertex stays low all the way past. A drive that doesn't pass has no say.
 # </details>
-# <details><summary>Notebook 07: a robot thinks it's in one of two twin rooms, half and half, and its view is as likely in both. What does it think now?</summary>
+# <details><summary>Notebook 07: a robot thinks it's in one of two twin rooms, half and half, and its view is equally likely in both. What does it think now?</summary>
 # Still half and half. In Bayes' rule, only the <i>ratio</i> of the likelihoods counts.
 # </details>
 #
@@ -145,7 +145,7 @@ display(again)
 #
 # ## 1 · Can I drive there?
 #
-# Back home, with Friday's twelve drives. Here's where your robot stands (blue), what it sees now, and four photos from those drives.
+# You're back home, with Friday's twelve drives. Here's where your robot stands (blue), what it sees now, and four photos from those drives.
 
 # %% hidden=true
 # Your flat, its twelve drives, and a photo with four others (about 8 s)
@@ -214,29 +214,29 @@ refused = Prediction(
 display(refused)
 
 # %% [markdown]
-# LTVN asks **one network** about two images: *can I drive from here to there, and if so, where is it?* It looks at colour *and* [[depth]], and answers with $\hat r$, a probability, and a [[waypoint]] $\hat w = (dx, dy, d\theta)$: how far ahead, how far to the left, and how much turned. The waypoint means something only where $\hat r$ is high.
+# LTVN asks **one network** about two images: *can I drive from here to the target, and if so, where is it?* The network looks at colour *and* [[depth]], and answers with a probability $\hat r$ and a [[waypoint]] $\hat w = (dx, dy, d\theta)$: how far ahead, how far to the left, and how far turned. The waypoint means something only where $\hat r$ is high.
 #
 # <details><summary>What counts as reachable?</summary>
-# No rollout this time: a pair is labelled by geometry alone. The two views overlap, and the target is less than 3 m away, in sight, ahead, and turned by at most 60°. The network learned waypoints from such pairs only.
+# No rollout this time: geometry alone labels a pair. The two views must overlap, with the target less than 3 m away, in sight, ahead, and turned by at most 60°. The network learned waypoints from such pairs only.
 # </details>
 #
 # ## 2 · How far is a turn?
 #
-# Two photos one metre apart, facing the same way. Two photos from one spot, a quarter turn apart. For a car the second pair is farther, so the distance must count the turn. Hold the car's velocity and turning rate constant, and exactly one *motion* gets there in a second. Its length is
+# Take two photos one metre apart, facing the same way, and two from one spot, a quarter turn apart. For a car, the second pair is farther apart, so the distance must count the turn. Hold the car's velocity and turning rate constant, and exactly one *motion* gets it there in one second. Its length is
 #
 # $$ \begin{gathered} d(w) = \lVert \log T(w) \rVert_F = \sqrt{\ell^2 + 2\, d\theta^2}, \qquad \ell = \frac{c}{\operatorname{sinc}(d\theta/2)}, \\ c = \sqrt{dx^2 + dy^2}, \qquad \operatorname{sinc}(x) = \frac{\sin x}{x} . \end{gathered} $$
 #
-# $\ell$ is the length of the arc, and $c$ its chord.
+# $\ell$ is the length of the arc, $c$ that of its chord.
 #
 # <details><summary>Where does the 2 come from?</summary>
-# $T(w)$ is the 3 × 3 matrix of the motion, $\log T$ holds velocity and turning rate, and $\lVert\cdot\rVert_F$ adds up the squares of all its entries. The turning rate stands there twice, once with a minus.
+# $T(w)$ is the 3 × 3 matrix of the motion, $\log T$ holds velocity and turning rate, and $\lVert\cdot\rVert_F$ is the root of the sum of the squared entries. The turning rate appears twice, once with a minus.
 # </details>
 #
 # ### Exercise 1 · `length` (easy, 6 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Straight ahead, the arc is the chord; turning in place, only the turn is left.</details>
+# <details><summary>Hint 1: concept</summary>Straight ahead, the arc is the chord; if you turn in place, only the turn is left.</details>
 # <details><summary>Hint 2: approach</summary>numpy's sinc is sin(pi x) / (pi x): it wants half the turn divided by pi, and is 1 at 0, so nothing is divided by zero.</details>
-# <details><summary>Hint 3: one line</summary>w[..., 0] is the first number of every waypoint, however many there are; np.hypot makes the chord of two such arrays. What do you divide it by?</details>
+# <details><summary>Hint 3: one line</summary>w[..., 0] is the first number of every waypoint, however many there are; np.hypot gives the chord from two such arrays. What do you divide it by?</details>
 
 
 # %% exercise="length"
@@ -261,21 +261,21 @@ length = check_length.use(length)
 # %% [markdown]
 # ## 3 · A map by sampling
 #
-# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks of each, where *reachable* means a high $\hat r$:
+# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks three questions of each; *reachable* means a high $\hat r$.
 #
 # - **is it mergeable** with a vertex: is one reachable from the other, and closer than $D_m$ in that direction? Then it's redundant: drop it.
-# - **is it connectable** to some vertex, in the same sense, closer than $D_c$? Then it becomes a vertex, with an edge for *every* such pair.
-# - neither? Leave it for later: a vertex nearby may still come.
+# - **is it connectable** to some vertex, in the same sense, but closer than $D_c$? Then it becomes a vertex, with an edge for *every* such pair.
+# - neither? Leave it for later: a vertex nearby may still turn up.
 #
-# Go on until a whole pass adds nothing.
+# Go on until a pass adds nothing.
 #
 # ### Exercise 2 · `build_map` (medium, 12 minutes)
 #
 # Look both ways: `(v, image)` and `(image, v)` each have their own $\hat r$ and length, and each may become an edge.
 #
-# <details><summary>Hint 1: concept</summary>Two loops: passes, and within a pass the images that are left, in their order.</details>
-# <details><summary>Hint 2: approach</summary>Keep a list of those that were neither dropped nor added; it's what the next pass goes through. Stop when a pass added none.</details>
-# <details><summary>Hint 3: one line</summary>any(... for v in vertices) is True if the words before the for hold for some vertex; a list of pairs works the same way, with an if at its end.</details>
+# <details><summary>Hint 1: concept</summary>Two loops: over passes and, within a pass, over the images that are left, in order.</details>
+# <details><summary>Hint 2: approach</summary>Keep a list of images neither dropped nor added; the next pass goes through it. Stop when a pass adds none.</details>
+# <details><summary>Hint 3: one line</summary>any(... for v in vertices) is True if the expression before the for holds for some vertex; a list of pairs works the same way, with an if at its end.</details>
 
 
 # %% exercise="build_map"
@@ -347,17 +347,17 @@ def growing(count):
 sliders(growing, {"count": "vertices"}, count=(1, len(maps[0.7][0]), 1, 25))
 
 # %% [markdown]
-# Compare the last two columns. Edges lead only *ahead*: forwards, hardly any two vertices reach each other. So the robot may drive an edge in **reverse**. We count that edge four times as long: a reversing car can't see where it's going.
+# Compare the last two columns. Edges lead only *ahead*: forwards, hardly any two vertices reach each other. So the robot may drive an edge in **reverse**. We count that edge as four times as long: a reversing car can't see where it's going.
 #
 # ## 4 · What one drive says
 #
-# Give every edge a probability $p$ that it exists; at first, that's $\hat r$. Now drive along it. If it exists, you succeed with probability $p(s \mid r)$, say 0.9. If it doesn't, you may still *seem* to, with $p(s \mid \lnot r)$, say 0.05. Bayes' rule does the rest.
+# Give every edge a probability $p$ that it exists; at first, that's $\hat r$. Now drive along one. If it exists, you succeed with probability $p(s \mid r)$, say 0.9. If it doesn't, you may still *seem* to, with $p(s \mid \lnot r)$, say 0.05. Bayes' rule does the rest.
 #
 # ### Exercise 3 · `bayes` (easy, 6 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Two worlds, one with the edge and one without. How probable is what you saw in each?</details>
+# <details><summary>Hint 1: concept</summary>Two worlds, one with the edge and one without. In each, how probable is what you saw?</details>
 # <details><summary>Hint 2: approach</summary>After a failure, use the probabilities of failing: one minus those of success.</details>
-# <details><summary>Hint 3: one line</summary>Each world has a weight, its prior times its likelihood; the answer is the share of the world with the edge in the sum of both.</details>
+# <details><summary>Hint 3: one line</summary>Each world has a weight, its prior times its likelihood; the answer is the share that the world with the edge has in the sum.</details>
 
 
 # %% exercise="bayes"
@@ -424,7 +424,7 @@ streak = Prediction(
 display(streak)
 
 # %% [markdown]
-# An edge is **pruned**, taken out of the map, if a failure leaves it below $R_p = 0.2$. Mix failures among ten traversals: how many does an edge survive?
+# An edge is **pruned**, taken out of the map, if a failure leaves its probability below $R_p = 0.2$. Make some of ten traversals fail: how many failures does an edge survive?
 
 # %% hidden=true
 # Ten traversals of one edge, of which you choose how many fail
@@ -451,19 +451,19 @@ sliders(
 # A new edge that works nine times in ten fails its first two drives once in a hundred, and is gone. That's rare, until you try a hundred edges. Three rules of ours keep the map alive:
 #
 # - the belief stays between 0.03 and 0.97, so the map can change its mind;
-# - a pruned edge that once worked *comes back* after some queries, though it's barely believed;
-# - what the laser shows to be blocked comes back soon: a shut door isn't the map's mistake.
+# - a pruned edge that once worked *comes back* after some queries, though barely believed;
+# - an edge that the laser finds blocked comes back soon: a shut door isn't the map's mistake.
 #
-# A fourth saves time: the robot **looks before it drives**. If it clearly can't see an edge's target, it believes the edge less, and takes another. Looks alone get rid of an edge through a wall. A [[wormhole]] between look-alikes passes every look; only a drive exposes it.
+# A fourth rule saves time: the robot **looks before it drives**. If it clearly can't see an edge's target, it believes the edge less, and takes another. Looking alone gets rid of an edge through a wall. A [[wormhole]] between look-alikes passes every look; only a drive exposes it.
 #
 # ### Exercise 4 · `gaussian` (easy, 5 minutes)
 #
-# An edge's length has a mean $\mu$ and a variance $v$. On a success the robot measures $d(\hat w)$, with noise $\sigma^2$. The new mean lies between the two, nearer the surer one. The new variance is smaller than either:
+# An edge's length has a mean $\mu$ and a variance $v$. After a success, the robot measures $d(\hat w)$ with noise variance $\sigma^2$. The new mean lies between the two, nearer the surer one. The new variance is smaller than either:
 #
 # $$ \mu' = \frac{\sigma^2}{v + \sigma^2}\,\mu + \frac{v}{v + \sigma^2}\, d(\hat w), \qquad \frac{1}{v'} = \frac{1}{v} + \frac{1}{\sigma^2} . $$
 #
-# <details><summary>Hint 1: concept</summary>It's a weighted mean: the less sure the old length is, the more the new one counts.</details>
-# <details><summary>Hint 2: approach</summary>gain = variance / (variance + noise) is the share by which the mean moves.</details>
+# <details><summary>Hint 1: concept</summary>It's a weighted mean: the less sure the old length is, the more the measured one counts.</details>
+# <details><summary>Hint 2: approach</summary>gain = variance / (variance + noise) is how much of the gap the mean closes.</details>
 # <details><summary>Hint 3: one line</summary>Solve the equation for v': what's one divided by its right-hand side?</details>
 
 
@@ -490,11 +490,11 @@ gaussian = check_gaussian.use(gaussian)
 #
 # ### Exercise 5 · `live` (large, 30 minutes)
 #
-# For each query, a start and a goal: plan the shortest path in metres, drive its *first* edge, tell the map what happened, plan again from where you are. A failure leaves the robot where it was. An edge that failed is left out for the rest of this query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins.
+# A query is a start and a goal. For each, plan the shortest path in metres, drive its *first* edge, tell the map what happened, and plan again from where you are. A failure leaves the robot where it was. An edge that failed is left out for the rest of the query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins.
 #
-# How you keep the books is up to you. The check drives your loop through small buildings with a wormhole, a shut door and a flaky edge.
+# How you keep the books is up to you. The check runs your loop in small buildings with a wormhole, a shut door and a flaky edge.
 #
-# <details><summary>Hint 1: concept</summary>Only what was driven is updated, and only in the direction in which it was driven.</details>
+# <details><summary>Hint 1: concept</summary>Update only what was driven, and only in that direction.</details>
 # <details><summary>Hint 2: approach</summary>nx.restricted_view(graph, [], failed) is the graph without the edges that failed; nothing is copied.</details>
 # <details><summary>Hint 3: one line</summary>nx.dijkstra_path returns vertices, of which the first is where you are; ask nx.has_path before you ask for a path.</details>
 
@@ -637,12 +637,12 @@ display(lies)
 # ```
 #
 # <details><summary>Answer</summary>
-# One traversal updates both directions, and only one of them was driven. The car may get through a door from the left and not from the right, and an edge in reverse fails for reasons of its own. What you didn't test you don't know.
+# One traversal updates both directions, but only one was driven. The car may get through a door from the left but not from the right, and an edge in reverse fails for reasons of its own. What you didn't test, you don't know.
 # </details>
 #
 # ## 6 · Who's to blame?
 #
-# The robot stood at A, and took a wormhole to B. The place looked right, so it thinks it's at B. Really it's at the blue arrow. Next it tries B to C, and fails.
+# The robot stood at A, and took a wormhole to B. The place looked right, so it thinks it's at B. Really, it's at the blue arrow. Next it tries B to C, and fails.
 
 # %% hidden=true
 # A wormhole, a true edge after it, and where the robot really is
@@ -684,10 +684,10 @@ blame = Prediction(
 display(blame)
 
 # %% [markdown]
-# In a corridor of look-alikes this kills good edges by the dozen. The cure, ours again, is Bayes' rule over *both* edges at once: the drive may fail because the edge is missing, *or because the robot wasn't at B*. The more doubtful one gets more of the blame.
+# In a corridor of look-alikes, this kills good edges by the dozen. The cure, ours again, is Bayes' rule over *both* edges at once: the drive may fail because its edge is missing, *or because the robot wasn't at B*. The more doubtful edge gets more of the blame.
 #
 # <details><summary>What counts as a success?</summary>
-# LTVN asks the network after each drive whether the target is connectable from where the robot is now. A robot that never moved, at a pair that the network gets wrong, has "succeeded". We ask for more: it must have driven to the waypoint, and see the target within 0.8 m.
+# After each drive, LTVN asks the network whether the target is connectable from where the robot is. If the network gets that wrong, a robot that never moved has "succeeded". We ask for more: it must have driven to the waypoint, and see the target within 0.8 m.
 # </details>
 
 
@@ -720,12 +720,12 @@ sliders(
 # %% [markdown]
 # ## 7 · What nobody had used
 #
-# Pruning can cut a map in two. But many images of the drives were never used: they were redundant, or couldn't be joined. When no path is left, LTVN tries them one by one until a path appears, *keeps only the images on that path*, and puts the others back.
+# Pruning can cut a map in two. But many images were never used: they were redundant, or couldn't be joined. When no path is left, LTVN tries these one by one until a path appears, *keeps only the images on that path*, and puts the others back.
 #
 # ### Exercise 6 · `expand` (medium, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Try on a copy; the map itself stays as it was.</details>
-# <details><summary>Hint 2: approach</summary>Add the edges of one image after the other to the copy, and ask after each whether a path leads from here to the goal.</details>
+# <details><summary>Hint 1: concept</summary>Try it on a copy; the map itself stays as it was.</details>
+# <details><summary>Hint 2: approach</summary>Add the edges of one image after another to the copy, and after each, ask whether a path leads from here to the goal.</details>
 # <details><summary>Hint 3: one line</summary>nx.shortest_path returns all vertices of a path; which of them aren't in the map?</details>
 
 
@@ -758,7 +758,7 @@ expand = check_expand.use(expand)
 # %% [markdown]
 # ## 8 · The door, once more
 #
-# Back to the office: the same map, the same six trips, but now each drive changes the map. What was blocked comes back after 12 queries, here two days.
+# Back to the office: the same map, the same six trips, but now each drive changes the map. What was blocked comes back after 12 queries, or two days.
 
 # %% hidden=true
 # Three more days on the map that learns (about 20 s)
@@ -815,7 +815,7 @@ next_day = Prediction(
 display(next_day)
 
 # %% [markdown]
-# On the second day all six waste their time at the door, but the map knows now. When the door opens, its edges are back, and robots use them. In numbers:
+# On the second day, all six robots waste time at the door, but now the map knows. When the door opens, its edges are back, and robots use them. In numbers:
 
 # %% hidden=true
 # The four days in numbers
@@ -827,7 +827,7 @@ head = {"the door": "", f"arrive, of {SIZE}": "d", f"seconds, all {SIZE}": ".0f"
 table(head | {"on the old map: arrive": "d", "on the old map: seconds": ".0f"}, rows)
 
 # %% [markdown]
-# Every change is an **event**, so all of it can be undone:
+# Every change is an **event**, so everything can be undone:
 
 # %%
 events = living.upkeep.events
@@ -839,7 +839,7 @@ print(f"the first that was found blocked: edge {EVENT.edge}, in query {EVENT.que
 # %% [markdown]
 # ### Be the one who shuts doors
 #
-# Shut the door and send out 25 robots on these six trips, then open it and send 25 more. Or be nasty: cut the edge that's driven most, or add one that isn't there. What does the map lose, and get back? Each run takes some ten seconds.
+# Shut the door and send out 25 robots on these six trips, then open it and send 25 more. Or be nasty: cut the most-driven edge, or add a false one. What does the map lose, and what comes back? Each run takes about ten seconds.
 
 # %% hidden=true
 # Buttons: shut or open the door, cut or add an edge, run the next 25 queries
@@ -848,7 +848,7 @@ presses(TamperedMap(toured, living, many, SHUT, first=SIZE * len(DAYS)))
 
 # %% [markdown]
 # <details><summary>How many failures does an edge through a wall survive?</summary>
-# Often none: the robot looks along the edge, doesn't see its target, and takes another edge. After two or three such looks the edge is gone, if a robot comes by at all: nobody looks along an edge that isn't on a shortest path. All 25 robots share the map, so what the first one learns spares the others. An edge that never worked doesn't come back by itself.
+# Often there are none: the robot looks along the edge, doesn't see its target, and takes another. After two or three looks, the edge is gone, if a robot comes by at all: none looks along an edge that isn't on a shortest path. All 25 robots share the map, so what the first one learns spares the others the trouble. An edge that never worked doesn't come back by itself.
 # </details>
 #
 # ### In eight other buildings
@@ -878,13 +878,13 @@ axes.legend(loc="lower right", fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
-# Learning helps from the first queries on, and no more later. And it costs: unused images come in, and the map grows.
+# Learning helps from the first queries, but the gain doesn't grow. And it isn't free: unused images come in, and the map grows.
 #
 # ## 9 · Fewer vertices
 #
-# **An open task.** Back home, each vertex costs memory and time. With how few does the robot still get everywhere? Write `my_map`: change the rules, give your `build_map` an `order` of your own, or invent another rule. `joined_map` makes a map of any vertices and edges.
+# **An open task.** Back home, each vertex costs memory and time. With how few can the robot still get everywhere? Write `my_map`: change the rules, give `build_map` your own `order`, or invent another rule. `joined_map` makes a map from any vertices and edges.
 #
-# Twelve robots drive on it, and it learns nothing. The score is **vertices saved − 10 × robots lost**; the library's map scores 0. A score takes about 5 s.
+# Twelve robots drive on your map, which learns nothing. The score is **vertices saved − 10 × robots lost**; the library's map scores 0. Scoring takes about 5 s.
 
 # %% hidden=true
 # The twelve trips, and the map to beat
@@ -936,7 +936,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good maps, quite different; enter yours first</summary>
-# <i>Far apart first.</i> <code>SamplingRules(merge=0.8, connect=3.0, order="farthest first", reverse=4.0)</code>: each new vertex stands as far from the map as it can, and longer edges bridge the gaps. <i>Hubs first.</i> <code>joined = sure &amp; (far &lt; 2.5)</code>, <code>order = np.argsort(-(joined | joined.T).sum(axis=0), kind="stable").tolist()</code>, with merge 1.1 and connect 3.0: images that many others can be joined to come first, and stand for them. When this page was made, both saved a fifth of the vertices and lost nobody. Go much further, and robots get lost: with merge 1.5, hardly any arrive.
+# <i>Far apart first.</i> <code>SamplingRules(merge=0.8, connect=3.0, order="farthest first", reverse=4.0)</code>: each new vertex stands as far from the map as it can, and longer edges bridge the gaps. <i>Hubs first.</i> <code>joined = sure &amp; (far &lt; 2.5)</code>, <code>order = np.argsort(-(joined | joined.T).sum(axis=0), kind="stable").tolist()</code>, with merge 1.1 and connect 3.0: images to which many others can be joined come first, and stand in for them. When this page was made, both saved a fifth of the vertices and lost no robot. Go much further, and robots get lost: with merge 1.5, hardly any arrive.
 # </details>
 #
 # After this notebook you can
@@ -951,4 +951,4 @@ else:
 # Let <code>live</code> update both directions, as the colleague did: how many true edges are left? In the first cell, give <code>MaintenanceRules</code> <code>returns=0, returns_blocked=0</code>: what happens in section 8 when the door opens again? Score your map in the office.
 # </details>
 #
-# Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with people who drove the robot round. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No drives, no map: it can only guess what lies behind each door.
+# Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with people driving the robot around. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No drives, no map: it can only guess what lies behind each door.
