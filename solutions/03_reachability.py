@@ -207,29 +207,29 @@ bet = Prediction(
 display(bet)
 
 # %% [markdown]
-# **120 minutes.** Take a break after section 4. Sections 7 to 9 are for a second sitting, another 40. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Take a break after section 4. Sections 7 to 9 fill a second sitting, another 40 minutes. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 02: the network's waypoint is 20 cm off. Is the drive lost?</summary>
-# No. Ten times a second the controller asks for a new one, and the next image corrects it.
+# <details><summary>Notebook 02: the network's waypoint is 20 cm off. Does the drive fail?</summary>
+# No. Ten times a second the controller asks for a new one, and the next image corrects the error.
 # </details>
 # <details><summary>Notebook 02: a motion policy wants to brake hard, and its metric is zero. What happens?</summary>
 # Nothing. What a policy wants counts only as much as its metric says.
 # </details>
-# <details><summary>Notebook 01: a target stands 2 m straight to the robot's left. Where is it in the robot's frame?</summary>
+# <details><summary>Notebook 01: a target is 2 m directly to the robot's left. Where is it in the robot's frame?</summary>
 # At (0, 2): x is ahead, y to the left.
 # </details>
 #
 # ## 1 · What will the controller reach?
 #
-# Nothing stood in B's way, and it didn't get there. So *near* isn't *reachable*. Put $\mathcal C$ where it sees $o_\text{current}$, hold up a target $\hat o_\text{target}$ with its context, and let it drive, many times. The share that arrives is what you want to know beforehand (III-A, III-C):
+# Nothing stood in B's way, yet it didn't get there. So *near* isn't *reachable*. Put $\mathcal C$ where it sees $o_\text{current}$, hold up a target $\hat o_\text{target}$ with its context, and let it drive, many times. The share of arrivals is what you want to know beforehand (III-A, III-C):
 #
 # $$ \mathcal{RE}(o_\text{current},\, \hat o_\text{target}) \;=\; P\bigl(\text{reach} \mid o_\text{current},\, \hat o_\text{target},\, \mathcal C\bigr) . $$
 #
-# A network that predicts it is a **[[reachability estimator]]**, RE. There's no distance in it, and it belongs to *this* controller.
+# A network that predicts this probability is a **[[reachability estimator]]**, RE. There's no distance in it, and it belongs to *this* controller.
 #
-# In a simulator you can simply try. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *arriving* means coming within 0.30 m, in time and without a collision.
+# In a simulator you can simply try it. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *arriving* means getting within 0.30 m of the target, in time and without a collision.
 
 # %% hidden=true
 # From where does the car get through the door? (about 5 s)
@@ -351,11 +351,11 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Of those in sight, one *beside* the car is the hardest. RE has the shape right: walls, doors, ahead, behind and beside. But for targets beside the car it's too optimistic. Keep that in mind. And this morning's two cars? The line above the maps says it: B won't make that.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the pattern right: walls, doors, ahead, behind and beside. But for targets beside the car it's too optimistic. Keep that in mind. And this morning's two cars? The line above the maps says it: B won't make it.
 #
 # ### What keeps car B away?
 #
-# Here's B's drive once more. Each amber line leads to the waypoint that the network predicts there, one a second.
+# Here's B's drive again. Once a second, an amber line leads from the car to the network's waypoint.
 
 
 # %% hidden=true
@@ -406,7 +406,7 @@ stops = Prediction(
 display(stops)
 
 # %% [markdown]
-# Three controllers reach three different areas, and nothing about the places has changed. *Is it reachable?* has no answer until you say by which controller. An estimator trained for one is wrong for another. That's also why the likeness of two images, or the time between them, is only a proxy: neither depends on the controller.
+# Three controllers reach three different areas, though nothing about the places has changed. *Is it reachable?* has no answer until you say by which controller. An estimator trained for one is wrong for another. That's also why the similarity of two images, or the time between them, is only a proxy: neither depends on the controller.
 #
 # So what does $\mathcal C_{WP}$ tell B? Watch the second column.
 
@@ -429,25 +429,25 @@ headings = {"target, m to the side": ".2f", "its first waypoint, m to the side":
 table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 
 # %% [markdown]
-# It stays near 0.6. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and beyond that it predicts about the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
+# It levels off near 0.6. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and beyond that it predicts much the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
 #
 # ## 2 · Labels from rollouts
 #
-# RE learns from outcomes. Draw a **pair** at random from the recorded trajectories, a start and a target. Drive, and note whether the car arrives. No rule has to say what makes a target hard. In the paper both are on one trajectory with probability 0.6; we also move most starts a little sideways.
+# RE learns from outcomes. From the recorded trajectories, draw a **pair** at random: a start and a target. Drive, and note whether the car arrives. No rule has to say what makes a target hard. In the paper both lie on the same trajectory with probability 0.6; we also move most starts a little sideways.
 #
-# A car that circles for ten minutes and then stumbles on the target hasn't shown that it can reach it. So there's a time limit, from the length of the shortest path and the slowest speed that's tolerated (III-C; 5 s and 0.3 m/s are from the authors' code):
+# A car that circles for ten minutes and then stumbles on the target hasn't shown that it can reach it. So there's a time limit, set by the length of the shortest path and the slowest tolerated speed (III-C; 5 s and 0.3 m/s are from the authors' code):
 #
 # $$ t_\text{max} = \frac{A^*(o_\text{current}, o_\text{target})}{v_\text{min}} + 5\ \text{s}, \qquad v_\text{min} = 0.3\ \text{m/s}. $$
 #
-# The label is 1 if there's a moment, at $t_\text{max}$ at the latest, at which the car is at most 0.30 m from the target and hasn't touched anything until then, that moment included. Otherwise it's 0. What the car does after arriving doesn't count.
+# The label is 1 if there's a moment, $t_\text{max}$ at the latest, at which the car is at most 0.30 m from the target and has touched nothing so far, that moment included. Otherwise it's 0. What the car does after arriving doesn't count.
 #
-# And a collision? The authors' code leaves such rollouts out. Then RE hears nothing of the places where the controller crashes, and those are the ones it should warn about. We keep them: label 0.
+# And a collision? The authors' code leaves such rollouts out. Then RE never learns of the places where the controller crashes, and those are the ones it should warn about. We keep these rollouts, with label 0.
 #
 # ### Exercise 1 · `rollout_labels` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Three things must hold at the same moment: near, in time, and clean so far. The label asks whether there is any such moment.</details>
-# <details><summary>Hint 2: approach</summary>Make three tables (T, N) of true and false and join them with &. Time against limit: times[:, None] &lt;= limits makes a table of a column and a row. "Clean so far" is a running or: np.logical_or.accumulate(touched, axis=0) is true from the first contact on.</details>
-# <details><summary>Hint 3: one line</summary>For one car with the moments near, in time, and touched it would be <code>any(n and t and not any(c[:i + 1]) for i, (n, t, c) in …)</code>. Which axis of the tables plays the role of this any, and which function the role of the inner one?</details>
+# <details><summary>Hint 1: concept</summary>Three things must hold at the same moment: near, in time, and clean so far. The label asks whether any such moment exists.</details>
+# <details><summary>Hint 2: approach</summary>Make three tables (T, N) of true and false and join them with &. Time against limit: times[:, None] &lt;= limits makes a table from a column and a row. "Clean so far" negates a running or: np.logical_or.accumulate(touched, axis=0) is true from the first contact on.</details>
+# <details><summary>Hint 3: one line</summary>For one car, with lists for near, in time, and touched, it would be <code>any(n and t and not any(c[:i + 1]) for i, (n, t, c) in …)</code>. Which axis of the tables plays the role of the outer any, and which function that of the inner one?</details>
 
 
 # %% exercise="rollout_labels"
@@ -474,7 +474,7 @@ rollout_labels = check_rollout_labels.use(rollout_labels)
 
 
 # %% [markdown]
-# Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors. Take up to 150 pairs in each. Each image shows at least a tenth of the other's view; section 5 is about the rest. Watch what share arrives, and how many of the others collide. It takes about 15 s.
+# Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors. Take up to 150 pairs in each. Each image of a pair shows at least a tenth of the other's view; section 5 is about the rest. Watch what share arrives, and how many of the others collide. This takes about 15 s.
 
 # %% hidden=true
 # Draw pairs in four buildings, and drive (about 15 s)
@@ -523,23 +523,23 @@ headings = {"building": "", "pairs": "d", "arrive": ".0%", "not in time": ".0%"}
 table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 
 # %% [markdown]
-# Hardly any do: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it hardly matters how collisions count. For one that cuts corners it would decide what RE learns.
+# Hardly any collide: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it matters little how collisions count. For one that cuts corners they would decide what RE learns.
 #
 # ## 3 · A loss that teaches probabilities
 #
-# RE's network is nearly $\mathcal C_{WP}$'s (III-C: "almost identical"), and it starts from the same trained encoder. In place of a waypoint it returns a **logit** $z$, any real number, and $p = \sigma(z) = 1 / (1 + e^{-z})$ makes it a probability. With the label $y$, 1 or 0, the paper trains "with a binary classification loss" (III-C), the cross-entropy
+# RE's network closely resembles $\mathcal C_{WP}$'s (III-C: "almost identical"), and starts from the same trained encoder. Instead of a waypoint it returns a **logit** $z$, any real number, which $p = \sigma(z) = 1 / (1 + e^{-z})$ turns into a probability. Given the label $y$, 1 or 0, the paper trains "with a binary classification loss" (III-C), the cross-entropy
 #
 # $$ \ell(z, y) \;=\; -\,y \log \sigma(z) \;-\; (1-y) \log\bigl(1 - \sigma(z)\bigr) \;=\; \log\bigl(1 + e^{z}\bigr) - y\,z . $$
 #
-# The first form explains it: the cost is $-\log$ of the probability that was predicted for what then happened. The second is how to compute it: for $z = 1000$ the first takes the logarithm of 0, while `np.logaddexp(0, z)`, which is $\log(e^0 + e^z)$, stays finite.
+# The first form explains the loss: the cost is $-\log$ of the probability predicted for what then happened. The second is how to compute it: for $z = 1000$ the first takes the logarithm of 0, while `np.logaddexp(0, z)`, which is $\log(e^0 + e^z)$, stays finite.
 #
 # Labels may lie *between* 0 and 1: our network, unlike the paper's, also predicts the two overlaps of a pair. And pairs may have **weights** $w$; then the loss is $\sum w\,\ell / \sum w$.
 #
 # ### Exercise 2 · `reach_loss` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Stay with the logit. Converting it to a probability first loses it for large z: 1 − σ(40) is 0 in floating point.</details>
-# <details><summary>Hint 2: approach</summary>One loss for each pair by the second form, and then their weighted mean: np.average has an argument weights.</details>
-# <details><summary>Hint 3: one line</summary>Squared errors with weights would be <code>np.average((z - y) ** 2, weights=w)</code>. Which expression belongs in place of the square?</details>
+# <details><summary>Hint 1: concept</summary>Stay with the logit. Converting it to a probability first loses precision for large z: 1 − σ(40) is 0 in floating point.</details>
+# <details><summary>Hint 2: approach</summary>Compute each pair's loss by the second form, then the weighted mean: np.average has an argument weights.</details>
+# <details><summary>Hint 3: one line</summary>The weighted mean squared error would be <code>np.average((z - y) ** 2, weights=w)</code>. Which expression replaces the square?</details>
 
 
 # %% exercise="reach_loss"
@@ -561,7 +561,7 @@ reach_loss = check_reach_loss.use(reach_loss)
 
 
 # %% [markdown]
-# Labels are ones and zeros. Why should this lead to a *probability*? Ten rollouts from the very same start to the very same target: seven arrive, two run out of time, one hits the wall. The network sees the same two images ten times, so it must say the same $p$ ten times. Here's what each $p$ costs, with your loss. The lighter curve drops the crash, as the authors' code does.
+# Rollout labels are ones and zeros. Why should they lead to a *probability*? Ten rollouts from the very same start to the same target: seven arrive, two run out of time, one hits the wall. The network sees the same two images ten times, so it must say the same $p$ each time. Here's what each $p$ costs under your loss. The lighter curve drops the crash, as the authors' code does.
 
 # %% hidden=true
 # The mean loss of ten rollouts for every prediction
@@ -614,17 +614,17 @@ display(ten_drives)
 #
 # ## 4 · Is it right?
 #
-# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same goes for RE: sort its predictions, put those of about the same size into a [[bin]], and compare the *mean prediction* of each bin with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
+# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same goes for RE: sort its predictions, put those of similar size into a [[bin]], and compare the *mean prediction* of each bin with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
 #
-# Most predictions are near 1, so bins of equal width would be nearly empty in the middle. Take bins of equal **mass**: each has as many predictions as the next, or one more where $N$ isn't a multiple of the number of bins $B$; which ones get it is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted with its number of predictions $n_b$:
+# Most predictions are near 1, so with equal widths the middle bins would be nearly empty. Take bins of equal **mass**: each has as many predictions as the next, or one more where $N$ isn't a multiple of the number of bins $B$; which bins are larger is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted by its number of predictions $n_b$:
 #
 # $$ \mathrm{ECE} = \sum_b \frac{n_b}{N}\,\bigl|\,\overline{p}_b - \overline{y}_b\,\bigr| . $$
 #
 # ### Exercise 3 · `reliability_diagram` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Sort by the prediction, cut into pieces of equal length, take two means of each piece. Prediction and outcome must stay together when you sort.</details>
-# <details><summary>Hint 2: approach</summary>np.argsort(predicted) gives the indices of the pairs from the lowest prediction to the highest, and np.array_split cuts them into `bins` groups, whose lengths differ by one at most.</details>
-# <details><summary>Hint 3: one line</summary>The largest value of each of 7 groups of x would be <code>[x[g].max() for g in np.array_split(np.argsort(x), 7)]</code>. What do you need of each group, and which weight has its gap?</details>
+# <details><summary>Hint 1: concept</summary>Sort by prediction, cut into pieces of equal length, and take two means for each piece. Keep prediction and outcome together when you sort.</details>
+# <details><summary>Hint 2: approach</summary>np.argsort(predicted) gives the indices of the pairs from the lowest prediction to the highest, and np.array_split cuts them into `bins` groups, whose lengths differ by at most one.</details>
+# <details><summary>Hint 3: one line</summary>The largest value in each of 7 groups of x would be <code>[x[g].max() for g in np.array_split(np.argsort(x), 7)]</code>. What do you need from each group, and which weight does its gap get?</details>
 
 
 # %% exercise="reliability_diagram"
@@ -651,7 +651,7 @@ reliability_diagram = check_reliability_diagram.use(reliability_diagram)
 
 
 # %% [markdown]
-# Start with a quickly trained network: two small layers on the frozen encoder of $\mathcal C_{WP}$, trained on nothing but the 300 rollouts in your flat and in the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: that much could be chance. Both axes are stretched near 1, where most predictions are.
+# Start with a quickly trained network: two small layers on top of $\mathcal C_{WP}$'s frozen encoder, trained only on the 300 rollouts in your flat and the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: that much could be chance. Both axes are stretched near 1, where most predictions are.
 
 
 # %% hidden=true
@@ -748,20 +748,20 @@ new_house = Prediction(
 display(new_house)
 
 # %% [markdown]
-# In a new building it's nearly as *confident* as before, and no longer as accurate. This is **over-confidence**, and it's typical of neural networks: once every answer is right, only larger logits make the loss still smaller.
+# In a new building the network is nearly as *confident* as before, but no longer as accurate. This **over-confidence** is typical of neural networks: once every answer is right, only larger logits can reduce the loss further.
 #
 # ### Recalibration
 #
-# The *ranking* of its predictions may be good even if the *values* are off. So keep the ranking and change the scale: apply an increasing function to the logit, fitted on rollouts on which the network was **not** trained, since what it knows by heart can't show how wrong it is elsewhere. The simplest one divides by a **[[temperature]]** $T$ (C. Guo, G. Pleiss, Y. Sun and K. Weinberger, [*On Calibration of Modern Neural Networks*](https://arxiv.org/abs/1706.04599), ICML 2017):
+# The *ranking* of a network's predictions may be good even if the *values* are off. So keep the ranking and change the scale: apply an increasing function to the logit, fitted to rollouts that the network was **not** trained on, since what it knows by heart can't show how wrong it is elsewhere. The simplest such function divides by a **[[temperature]]** $T$ (C. Guo, G. Pleiss, Y. Sun and K. Weinberger, [*On Calibration of Modern Neural Networks*](https://arxiv.org/abs/1706.04599), ICML 2017):
 #
 # $$ p = \sigma(z / T), \qquad T = \arg\min_T \; \sum_i \ell\bigl(z_i / T,\; y_i\bigr) . $$
 #
-# $T > 1$ pulls all predictions towards one half; $T < 1$ pushes them outwards. A network that's always right would get $T \to 0$, one that's always wrong $T \to \infty$, so we only look from 0.05 to 20.
+# $T > 1$ pulls all predictions towards one half; $T < 1$ pushes them outwards. A network that's always right would get $T \to 0$, one that's always wrong $T \to \infty$, so we only search from 0.05 to 20.
 #
 # ### Exercise 4 · `fit_temperature` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>There is one unknown, and you have a function that scores each value of it. You can just try many.</details>
-# <details><summary>Hint 2: approach</summary>A temperature of 0.5 is as far from 1 as one of 2: try values that grow by a factor, np.geomspace(0.05, 20, 600). Compute reach_loss(logits / t, labels, weights) for each, with weights of one. (Or scipy.optimize.minimize_scalar over log T.)</details>
+# <details><summary>Hint 1: concept</summary>There is one unknown, and you have a function that scores any value of it. Just try many values.</details>
+# <details><summary>Hint 2: approach</summary>As a temperature, 0.5 is as far from 1 as 2 is: try values that grow by a constant factor, np.geomspace(0.05, 20, 600). Compute reach_loss(logits / t, labels, weights) for each, with all weights 1. (Or use scipy.optimize.minimize_scalar over log T.)</details>
 # <details><summary>Hint 3: one line</summary>The angle below 3 at which the sine is smallest would be <code>angles[np.argmin([np.sin(a) for a in angles])]</code>. What takes the place of the sine?</details>
 
 
@@ -785,7 +785,7 @@ fit_temperature = check_fit_temperature.use(fit_temperature)
 
 
 # %% [markdown]
-# Both networks, the quick one and the library's, get their temperature in the ring of corridors and are judged in the office. A temperature is only one number, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Two badly calibrated ones stand next to them: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
+# The quick network and the library's have their temperatures fitted in the ring of corridors and are judged in the office. A temperature is only one number, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Two poorly calibrated estimators join them: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
 #
 # **AUC** is the probability that a pair that arrives has a higher prediction than one that doesn't. Watch its column.
 
@@ -831,20 +831,20 @@ print(f"exact probabilities would have an ECE of about {np.mean(perfect):.3f} he
 show(from_figure(figure))
 
 # %% [markdown]
-# Within each network the AUC stays: it depends on the ranking alone, and an increasing function keeps that. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant that hits the building's own share is calibrated by definition, and useless; the one in the table comes from another building. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
+# For each network the AUC stays put: it depends on the ranking alone, which an increasing function preserves. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant that equals the building's own share is calibrated by definition, and useless; the one in the table comes from another building. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
 #
 # With 150 rollouts even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
 #
 # <details><summary>Why doesn't a temperature help the library's network?</summary>
-# It's too modest, not too sure: hard pairs filled the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
+# It's too modest, not too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
 # </details>
-# <details><summary>In section 1 the calibrated RE was too optimistic for targets beside the car. Is it calibrated or not?</summary>
-# It is, <i>for pairs like those on which it was fitted</i>. The grid is another kind of pairs. Before you trust a probability, ask on which pairs it was measured, and whether yours are like them.
+# <details><summary>In section 1 the calibrated RE was too optimistic for targets beside the car. Is it calibrated?</summary>
+# It is, <i>for pairs like those on which it was fitted</i>. The grid's pairs are of another kind. Before you trust a probability, ask on which pairs it was calibrated, and whether yours are like them.
 # </details>
 #
 # ## 5 · Far look-alikes
 #
-# A topological map (notebook 05) asks RE about **all pairs** of its vertices, and most are far apart. Here are 120 images of your flat, each paired with each. Watch the last column: pairs more than 5 m apart on the shortest path, with less than a tenth of either view in the other. None of those can be reached.
+# A topological map (notebook 05) asks RE about **all pairs** of its vertices, and most are far apart. Here are 120 images of your flat, each paired with every other. Watch the last column: pairs more than 5 m apart along the shortest path, with less than a tenth of either view in the other. None of those can be reached.
 
 # %% hidden=true
 # Query RE for all pairs of 120 frames, and show the worst
@@ -876,9 +876,9 @@ for i in worst:
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# These are the worst. The colours differ, but the geometry is alike: a wall on either side, a passage, something at the end. To take one place for another is **[[perceptual aliasing]]**, and an edge of a map between two such places is a **[[wormhole]]**: the planner thinks there's a short cut, and takes it.
+# These are the worst. The colours differ, but the geometry is similar: a wall on either side, a passage, something at the end. When different places look alike, that's **[[perceptual aliasing]]**, and a map edge between two such places is a **[[wormhole]]**: the planner thinks there's a shortcut, and takes it.
 #
-# Only a handful are above 0.9, among thousands. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A map has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, from row to column; the real ones are blue. **Take a pencil.**
+# Among thousands, only a handful are above 0.9. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A map has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, from row to column; the real ones are blue. **Take a pencil.**
 
 # %% hidden=true
 # A million pairs
@@ -915,9 +915,9 @@ holes = Prediction(
 display(holes)
 
 # %% [markdown]
-# What counts isn't its error rate, but the error rate among the pairs that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. Random pairs hardly ever contain such a mistake, so no network learns from them to avoid it.
+# What counts isn't an estimator's error rate over all pairs, but over those that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. Random pairs hardly ever include such a mistake, so they can't teach a network to avoid it.
 #
-# So search for them: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 frames in 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They're labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they're kept, too, or the network would learn to distrust whatever looks good. From then on one target in ten came from these.
+# So search for mistakes: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 frames in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on one target in ten was mined.
 
 # %% hidden=true
 # Read the library's training from its card
@@ -929,18 +929,18 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # %% [markdown]
 # ### Mine the hard pairs yourself
 #
-# The quick network of section 4 has seen no hard pair: in its 300, the two views overlap. Mine some for it. The pool holds these 300, whose labels are known, and the pairs of 45 frames of each training building, for which there's only the network's prediction. Make a training set from the pool, in four steps:
+# The quick network of section 4 has seen no hard pair: in its 300 pairs, the views overlap. Mine some for it. The pool holds these 300, whose labels are known, and the pairs of 45 frames of each training building, for which there are only predictions. Make a training set from the pool, in four steps:
 #
-# 1. **Easy pairs**: every pair that has a label already. Weight 1 each.
-# 2. **[[Hard negative]]s**: of the pairs without a label that are far and occluded (`occluded`), those with a prediction above `sure`, the highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that's left out because its start has enough already doesn't count. The label is 0, without a rollout.
-# 3. **Confident pairs**: of those without a label that are *not* occluded, with a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
-# 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Together they make up `share` of the whole weight, easy pairs included.
+# 1. **Easy pairs**: every pair that already has a label. Each has weight 1.
+# 2. **[[Hard negative]]s**: of the unlabelled pairs that are far and occluded (`occluded`), those with a prediction above `sure`, highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that's left out because its start already has enough doesn't count towards `most`. The label is 0, without a rollout.
+# 3. **Confident pairs**: of the unlabelled pairs that are *not* occluded and have a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
+# 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Together they make up `share` of the total weight, easy pairs included.
 #
 # ### Exercise 5 · `mine_pairs` (large, 35 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Four groups of pairs: known; occluded and sure; not occluded and sure; all others. Make a mask of each, then shorten the second and the third one. Keep pairs, labels and weights in the same order until the end.</details>
-# <details><summary>Hint 2: approach</summary>Whether a label is known: np.isnan. For the hard negatives go through np.argsort(-probability) with a loop, a list of the chosen, and a dictionary that counts how often each start was taken. For the others rng.permutation of their indices, cut off after as many as you need. With E easy pairs of weight 1 and M mined ones of weight w, the share is M w / (E + M w): solve it for w, and mind M = 0.</details>
-# <details><summary>Hint 3: one line</summary>At most two words with the same first letter: <code>for word in words: if count.get(word[0], 0) &lt; 2: …</code> What are the words here, what the letter, and which other two conditions join this one?</details>
+# <details><summary>Hint 1: concept</summary>Four groups of pairs: known; occluded and sure; not occluded and sure; all others. Make a mask for each, then shorten the second and third. Keep pairs, labels and weights in the same order until the end.</details>
+# <details><summary>Hint 2: approach</summary>np.isnan says whether a label is missing. For the hard negatives, loop over np.argsort(-probability), with a list of those chosen and a dictionary of counts for each start. For the confident ones, cut rng.permutation of their indices to the number you need. With E easy pairs of weight 1 and M mined ones of weight w, the share is M w / (E + M w): solve for w, and mind M = 0.</details>
+# <details><summary>Hint 3: one line</summary>Keeping at most two words per first letter would be <code>for word in words: if count.get(word[0], 0) &lt; 2: …</code> What are the words here, what is the letter, and which two other conditions join this one?</details>
 
 
 # %% exercise="mine_pairs"
@@ -983,7 +983,7 @@ mine_pairs = check_mine_pairs.use(mine_pairs)
 
 
 # %% [markdown]
-# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 frames of the *office*, which neither has seen. Watch the look-alikes go, and whether the ordinary pairs suffer. It takes about 6 s.
+# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 frames of the *office*, which neither has seen. Watch whether the look-alikes go, and whether the ordinary pairs suffer. This takes about 6 s.
 
 
 # %% hidden=true
@@ -1069,9 +1069,9 @@ words = f"the office: {office.far_and_occluded.sum():,} far, occluded pairs, and
 table(headings, lines, best, words)
 
 # %% [markdown]
-# It falls for far fewer look-alikes, in a building it has never seen, and it ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
+# The second network falls for far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
 #
-# So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs of your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count.
+# So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs in your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count arrivals.
 
 # %% hidden=true
 # Roll out confident pairs that are not neighbours
@@ -1088,21 +1088,21 @@ if sure.any():
     print(f"{sure.sum()} of them with RE > 0.99: {arrived_there[sure].mean():.1%} arrive")
 
 # %% [markdown]
-# RE was calibrated on pairs whose views overlap. A map asks about thousands, nearly all unreachable, and keeps those with high predictions: good pairs, and the few bad ones that happen to look good. The more bad pairs it asks about, the larger their share among the chosen. Near 0.99 there are hardly any left. That's the first threshold to remember: **build at 0.99**, as the paper does (IV-C.1).
+# RE was calibrated on pairs whose views overlap. A map asks about thousands, nearly all unreachable, and keeps those with high predictions: good pairs, and the few bad ones that happen to look good. The more bad pairs it asks about, the larger their share among the chosen. Near 0.99 hardly any bad ones are left. That's the first threshold to remember: **build at 0.99**, as the paper does (IV-C.1).
 #
 # ## 6 · Your own sixty
 #
-# **An open task.** The quick network has 300 rollouts. You may label 60 pairs more. Which? `my_pairs` chooses them from the pool; they get their outcomes, together they weigh as much as in exercise 5, and five networks are trained on everything, each from different initial weights. They're judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
+# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and five networks are trained on everything, each from different initial weights. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
 #
-# The **score** is the share of the squared error that's gone, in percent: 0 is a network that always says the average, 100 one that's always right. Below 0 is worse than no network at all. Beat the 300 alone, 60 at random, and the 60 look-alikes it's surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
+# The **score** is the share of the squared error that's removed, in percent: 0 is a network that always predicts the average, 100 one that's always right. Below 0 is worse than no network at all. Beat the 300 alone, 60 at random, and the 60 look-alikes the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
 # | each is (P,) | |
 # |---|---|
 # | `predicted` | the quick network's probability |
 # | `occluded` | far and occluded; surely 0 |
-# | `geodesic`, `overlap` | metres of the shortest path, and the smaller share of the two views |
+# | `geodesic`, `overlap` | length of the shortest path, m, and the smaller of the two overlaps |
 # | `ahead`, `aside` | where the target is in the car's frame, m |
-# | `building`, `start` | 0 your flat, 1 the maze; and the index of the frame where the pair begins |
+# | `building`, `start` | 0: your flat, 1: the maze; and the index of the pair's start frame |
 
 # %%
 NAME = "my sixty"  # in the league table
@@ -1211,13 +1211,13 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
-# <i>Look-alikes that fool it, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. It leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
-# <i>One of each place</i>: draw 60 starting frames at random, and of each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Far pairs at random are about level with the best choice to beat. Sixty near pairs score far lower, and so do the most doubtful ones, those nearest one half among all pairs: neither says much of look-alikes.
+# <i>Look-alikes that fool the network, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. This choice leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
+# <i>One from each place</i>: draw 60 start frames at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs roughly equal the best choice to beat. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory
 #
-# Here's the longest trajectory of your flat. The car starts on it; slide the target along, from 1 m behind to 6 m ahead, and turn the car at its start. The curve is RE for every target. The square is what happened: every position of the sliders was rolled out. Watch where RE falls: with the metres, or at certain places?
+# Here's the longest trajectory in your flat. The car starts on it; slide the target from 1 m behind to 6 m ahead, and turn the car at its start. The curve shows RE for every target. The square shows what happened: every position of the sliders was rolled out. Watch how RE falls: with distance, or at certain places?
 
 # %% hidden=true
 # Drive to every target from every start heading, then connect the sliders
@@ -1281,11 +1281,11 @@ sliders(
 )
 
 # %% [markdown]
-# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 lives on this curve: as long as RE stays high for *all* targets up to an image, the images in between can go.
+# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes through a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 builds on this curve: as long as RE stays high for *all* targets up to an image, the images in between can go.
 #
 # ## 8 · How it fails
 #
-# RE fails in two ways: it's sure of a target that the car then misses, or it gives up on one that's easy. From the four buildings, here are the three worst of each. Look at the two images of each: would *you* have predicted the same?
+# RE fails in two ways: it's sure of a target that the car then misses, or it gives up on one that's easy. From the four buildings, here are the three worst of each kind. Look at both images of each pair: would *you* have predicted the same?
 
 
 # %% hidden=true
@@ -1342,7 +1342,7 @@ for group in (too_high, too_low):
     display(show(side_by_side([case_picture(case) for case in group])))
 
 # %% [markdown]
-# Three cases are anecdotes. Here are all 600 pairs by what could mislead RE. Watch where prediction and outcome part.
+# A few cases are anecdotes. Here are all 600 pairs, grouped by what could mislead RE. Watch where prediction and outcome diverge.
 
 # %% hidden=true
 # Prediction and outcome by condition
@@ -1359,11 +1359,11 @@ lines = [
 table({"what could mislead RE": "", "pairs": "d", "RE's mean": ".2f", "arrive": ".2f"}, lines)
 
 # %% [markdown]
-# RE follows the outcome from line to line: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. Where a wall stands between them, it's far too optimistic: the two views share something around a corner, and the path is longer than it seems. More such examples would help. What neither image shows, no network can learn; and where a car stops just outside the circle, a few centimetres decide, and the right prediction is neither 0 nor 1.
+# RE follows the outcome from row to row: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. With a wall between car and target, it's far too optimistic: the two views share something around a corner, and the path is longer than it seems. More such examples would help. No network can learn what neither image shows; and where a car just misses the target, a few centimetres decide, and the right prediction is neither 0 nor 1.
 #
 # ### Find the bug
 #
-# A colleague needs RE between all pairs of images of a trajectory, "and a distance is the same in both directions, so half of the table is enough". It runs twice as fast and without an error. Rows are the car's position, columns the target's, and yellow is RE near 1. What's wrong?
+# A colleague needs RE between all pairs of images of a trajectory, "and a distance is the same in both directions, so half of the table is enough". The code runs twice as fast and without an error. Rows are the car's position, columns the target's, and yellow is RE near 1. What's wrong?
 
 # %% hidden=true
 # Query RE between all pairs of 36 frames, and draw both tables
@@ -1406,7 +1406,7 @@ show(from_figure(figure))
 #
 # ## 9 · Twenty worlds that nobody has seen
 #
-# Five estimators are asked about the same thousands of pairs in unseen worlds, and every pair is rolled out. **k2** and **k5** are RE with two or five context images each way. Three aren't RE: **image** only compares two images; **sptm** was trained to say whether two images were taken at about the same *time* (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018); **geometry** is an oracle that's told distance, bearing, overlaps and walls.
+# Five estimators are asked about the same thousands of pairs in unseen worlds, and every pair is rolled out. **k2** and **k5** are RE with two or five context images on either side. Three aren't RE: **image** only compares two images; **sptm** was trained to say whether two images were taken at about the same *time* (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018); **geometry** is an oracle that's told distance, bearing, overlaps and walls.
 
 # %% hidden=true
 # Draw the reliability diagrams of the results page
@@ -1426,29 +1426,29 @@ axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 show(from_figure(figure))
 
 # %% [markdown]
-# More context makes RE more accurate, and no RE beats geometry; the [page of results](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, also for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, and the second still be behind the car. Calibration could mend their values, but not their ranking.
+# More context makes RE more accurate, and no RE beats geometry; the [page of results](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, including those for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, though the second place is behind the car. Calibration could fix their values, but not their ranking.
 #
-# A *precision*, the share of the accepted pairs that arrives, belongs to the estimator *and* to the kind of pairs. From one kept image to the next it's nearly 1; among all pairs of a building it's lower.
+# *Precision*, the share of accepted pairs that arrive, depends on the estimator *and* on the kind of pairs. From one kept image to the next it's nearly 1; among all pairs of a building it's lower.
 #
 # <details><summary>Why is there no number from the paper beside ours?</summary>
-# It gives none for RE itself: it shows that maps built with RE work (its Table II), and that path probabilities agree with success rates (Fig. 9). Ours is the same idea in an easier world: glass, changing light and people don't occur in it.
+# It gives none for RE itself: it shows that maps built with RE work (its Table II), and that path probabilities agree with success rates (Fig. 9). Ours tests the same idea in an easier world, without glass, changing light or people.
 # </details>
 #
 # ## Ten questions, book closed
 #
-# 1. Two images agree pixel by pixel. Is it one place?
+# 1. Two images agree pixel for pixel. Do they show the same place?
 # 2. The robot is at (2, 3) and looks along +y. Where is the point that's 1 m ahead of it?
 # 3. Why can't a car follow every path that a disc can?
 # 4. What does $\mathcal C_{WP}$ hand to $\mathcal C_{RMP}$, and how often?
 # 5. A car arrives in time, and a second later hits the wall. What's the label?
-# 6. Of ten rollouts from one start, four arrive. Which prediction has the least cross-entropy?
+# 6. Of ten rollouts from one start, four arrive. Which prediction has the lowest cross-entropy?
 # 7. You divide all logits by 2. What happens to the predictions, and to the AUC?
 # 8. A network always says 0.85, and 85 % arrive. Is it calibrated, and is it useful?
 # 9. Two controllers share one camera. May they share one RE?
 # 10. Why does a map need an estimator that's right far more often than 999 times in 1,000?
 #
 # <details><summary>Answers</summary>
-# 1. Perhaps not: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after the arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays, since the ranking does. 8. It's calibrated, and useless: it tells no two targets apart. 9. No: what's reachable depends on the controller. 10. It asks about a million pairs, nearly all unreachable, so one mistake in 1,000 makes a thousand wormholes.
+# 1. Perhaps not: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays put, since the ranking does. 8. It's calibrated, and useless: it can't tell targets apart. 9. No: what's reachable depends on the controller. 10. It asks about a million pairs, nearly all unreachable, so one mistake in 1,000 makes a thousand wormholes.
 # </details>
 #
 # **Close it and draw the pipeline**, with your function names: from rollouts to a probability that you'd bet on.
@@ -1460,9 +1460,9 @@ show(from_figure(figure))
 # - measure whether probabilities are right, and recalibrate them if they aren't;
 # - explain why an estimator that's nearly always right isn't good enough for a map, and mine the pairs it gets wrong.
 #
-# **Extras, if you like.** Draw the maps of section 1 for starts turned by 45°: where does the blue area go? Evaluate `ReachabilityNetwork("reach_k5")`, which belongs to another controller, on the outcomes of k = 2: in which direction is it wrong? Fit temperature *and* offset, $\sigma(z/T + b)$: what does the offset correct? Fit a temperature on one grid of section 1, and test it on the other.
+# **Extras, if you like.** Draw the maps of section 1 for starts turned by 45°: where does the blue area go? Evaluate `ReachabilityNetwork("reach_k5")`, which belongs to another controller, on the outcomes of k = 2: in which direction is it wrong? Fit a temperature *and* an offset, $\sigma(z/T + b)$: what does the offset correct? Fit a temperature on one grid of section 1, and test it on the other.
 #
-# One thing is left for tonight. Your robot stands in its corner, and you hold up the photo on the fridge.
+# One thing is left for tonight. Your robot stands in its corner, and you hold up the photo from the fridge.
 
 # %% hidden=true
 # The photo on the fridge
@@ -1475,4 +1475,4 @@ print("I won't make that." if chance < 0.5 else "I think so.")
 show(side_by_side([photo(corner), photo(fridge)], ["what it sees", "the photo on the fridge"]))
 
 # %% [markdown]
-# It's right, and it says so before the wheels turn. But you wanted the photo, not a forecast. It can't get there in one go; it could in many short ones. In [notebook 04](04_sparsification.ipynb) you drive it there once, and it learns which images of that drive it needs. The paper's III-D is good reading until then.
+# It's right, and it knew before the wheels turned. But you wanted a drive, not a forecast. It can't get there in one go; it could in many short hops. In [notebook 04](04_sparsification.ipynb) you drive it there once, and it learns which images of that drive it needs. The paper's III-D is good reading until then.

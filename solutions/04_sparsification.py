@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 04 · Sparsification
 #
-# **Forty images, keep six.** In one go it won't make it to the photo on the fridge: yesterday your robot said so itself. In many short ones it could. So you drove it there once, by hand, and it took images all the way. Here are 40 of them.
+# **Forty images, keep six.** Your robot won't make it to the photo on the fridge in one go: it said so itself yesterday. In many short hops it could. So you drove it there once, by hand, and it took images all the way. Here are 40 of them.
 #
-# Now it has to drive alone, from image to image, without a floor plan and without a position. *Which six would you keep?*
+# Now it has to drive alone, from image to image, without a floor plan or its own position. *Which six would you keep?*
 #
 # By the end your code chooses the images, follows them, and says so when it's lost. It follows this one drive, though, and no other.
 
@@ -142,7 +142,7 @@ six = Prediction(
 display(six)
 
 # %% [markdown]
-# **120 minutes.** Sections 8 to 10 are for a second sitting, another 30. You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to what an image shows, and the [[reachability estimator]] $\mathcal{RE}$, which predicts how probably it arrives. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; the [page of results](../tutorial_lib/results/README.md) says where we differ.
+# **120 minutes.** Sections 8 to 10 fill a second sitting, another 30 minutes. You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place an image shows, and the [[reachability estimator]] $\mathcal{RE}$, which predicts how likely it is to arrive. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; the [page of results](../tutorial_lib/results/README.md) says where we differ.
 #
 # **Three old questions first.**
 #
@@ -152,19 +152,19 @@ display(six)
 # <details><summary>Notebook 03: why isn't RE a distance?</summary>
 # Two targets may be equally far away, one down the corridor and one behind a wall. RE asks whether this controller arrives.
 # </details>
-# <details><summary>Notebook 02: what does the network say about two images, besides a waypoint?</summary>
-# How the headings differ, and the overlap: the share of each view that the other one has, too. Today that's a measure of nearness.
+# <details><summary>Notebook 02: what does the network predict for two images, besides a waypoint?</summary>
+# How the headings differ, and the overlap: the share of each view that the other one also shows. Today the overlap measures nearness.
 # </details>
 #
 # ## 1 · What may go
 #
-# Six images are good if the controller gets from each one to the next. The images that stay are called **[[anchor]]s**. Whatever the controller doesn't need may go.
+# Six images will do if the controller gets from each one to the next. The images that stay are called **[[anchor]]s**. Whatever the controller doesn't need may go.
 #
-# Say image $i$ is an anchor. $\mathcal{RE}(o_i, o_k)$ is the probability that the controller gets from what it sees at $i$ to the place of $k$. The next anchor is the last image up to which **all** of these stay high (paper, III-D):
+# Say image $i$ is an anchor. $\mathcal{RE}(o_i, o_k)$ is the probability that the controller gets from what it sees at $i$ to the place of $k$. The next anchor is the last image up to which **all** these probabilities stay high (paper, III-D):
 #
 # $$ \max_j \quad \text{s.t.}\quad \mathcal{RE}(o_i, o_k) > p_\text{sparsify} \quad \forall k,\; i < k \le j . $$
 #
-# Go on from there. The first image and the last one always stay. If not even image $i+1$ is above the threshold, it's the next anchor anyway, since the path must go on.
+# Go on from there. The first and the last image always stay. If not even image $i+1$ is above the threshold, it's the next anchor anyway, since the path must go on.
 
 # %% hidden=true
 # A drive of eight images
@@ -188,9 +188,9 @@ display(pencil)
 # %% [markdown]
 # ### Exercise 1 · `choose_anchors` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Walk along the trajectory with two fingers. The left one stays on the anchor i; the right one moves ahead as long as the next frame is reachable from the left one. Where it stops, the left one follows.</details>
-# <details><summary>Hint 2: approach</summary>Two loops. The outer one runs while the last anchor is not the last frame. The inner one starts with j = i and increases j by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
-# <details><summary>Hint 3: one line</summary>A walk of at least one step would be <code>place = place + max(steps, 1)</code>. What is it here that must be at least one frame ahead of i?</details>
+# <details><summary>Hint 1: concept</summary>Walk along the trajectory with two fingers. The left one stays on the anchor i; the right one moves ahead as long as the next frame is reachable from the left one. Once it stops, the left one catches up.</details>
+# <details><summary>Hint 2: approach</summary>Use two loops. The outer one runs while the last anchor is not the last frame. The inner one starts with j = i and increases j by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
+# <details><summary>Hint 3: one line</summary>A walk of at least one step would be <code>place = place + max(steps, 1)</code>. What must be at least one frame ahead of i here?</details>
 
 
 # %% exercise="choose_anchors"
@@ -228,7 +228,7 @@ show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 # %% [markdown]
 # ## 2 · The whole drive
 #
-# Now the drive itself, ten images a second. From each image the network with $k = 2$ predicts RE of the next 60, four metres or more. The first slider moves the threshold, the second picks an anchor. Watch where its curve first dips below the line.
+# Now the drive itself, at ten images a second. From each image the network with $k = 2$ predicts RE to the next 60, spanning four metres or more. The first slider moves the threshold, the second picks an anchor. Watch where its curve first dips below the line.
 
 # %% hidden=true
 # RE from each image to the next 60, and two sliders (about 5 s)
@@ -282,15 +282,15 @@ sliders(
 )
 
 # %% [markdown]
-# For a metre or two RE is nearly sure. Then it wavers about the line, and that's why *all* must hold. Then it sinks: the image here doesn't show what lies there. So the drive needs few of its images.
+# For a metre or two RE is nearly sure. Then it wavers around the line, which is why *all* must lie above. Then it sinks: the anchor's image doesn't show what lies there. So the drive needs few of its images.
 #
 # Your robot **builds at 0.99**. That's the first of three thresholds worth knowing by heart.
 #
-# <details><summary>Now and then a higher threshold needs one anchor less. How come?</summary>
+# <details><summary>Now and then a higher threshold needs one anchor fewer. How come?</summary>
 # The rule is greedy. An anchor that stands a little earlier may see farther.
 # </details>
 #
-# How far would the rule get from *every* image? Two suspects are drawn, too: the nearest wall and the car's turning. Watch where the blue curve falls.
+# How far would the rule get from *every* image, and what stops it? Two suspects are drawn: the nearest wall and the car's turning. Watch where the blue curve falls.
 
 
 # %% hidden=true
@@ -324,7 +324,7 @@ figure.legend(loc="outside upper center", ncols=4, fontsize=11, frameon=False)
 show(from_figure(figure))
 
 # %% [markdown]
-# Where it falls by one metre per metre, the run ends at the *same* image wherever it begins: something there can't be seen from before. Past it the view opens, and the curve jumps up. The small teeth are noise: one RE just below the line ends a run. Here turning shortens it a little, and the wall hardly does.
+# Where the curve falls by one metre per metre, the run ends at the *same* image wherever it begins: something there can't be seen from farther back. Past it the view opens, and the curve jumps up. The small teeth are noise: one RE just below the line ends a run. Here turning shortens the run a little, and the wall hardly does.
 #
 # ## 3 · What they cost
 #
@@ -337,7 +337,7 @@ show(from_figure(figure))
 #
 # <details><summary>Hint 1: concept</summary>List the context of each anchor, join the lists, and count each frame once. Beyond an end of the trajectory there is nothing to store: there the context repeats the first or last frame.</details>
 # <details><summary>Hint 2: approach</summary>With 3 * np.arange(-k, k + 1) as offsets, anchors[:, None] + offsets is an (A, 2k + 1) table of frames. np.clip moves those beyond an end to the end.</details>
-# <details><summary>Hint 3: one line</summary>The different last digits of the sums of two lists would be <code>np.unique((a[:, None] + b) % 10)</code>. What stands for a, for b, and for the remainder?</details>
+# <details><summary>Hint 3: one line</summary>The distinct last digits of all sums from two lists would be <code>np.unique((a[:, None] + b) % 10)</code>. What takes the place of a, b, and the remainder?</details>
 
 
 # %% exercise="frames_to_keep"
@@ -361,7 +361,7 @@ def frames_to_keep(anchors, total, k):
 frames_to_keep = check_frames_to_keep.use(frames_to_keep)
 
 # %% [markdown]
-# More context lets the controller see farther. Watch the last two columns: do fewer anchors mean fewer images?
+# More context lets the controller see farther. Watch the last two columns: do fewer anchors mean fewer stored images?
 
 # %% hidden=true
 # Anchors and stored images by four controllers (about 10 s)
@@ -384,14 +384,14 @@ titles = [f"{name}: {len(chosen[c])}" for c, name in CONTEXTS.items()]
 show(side_by_side(panels, titles, gap=6))
 
 # %% [markdown]
-# With $k = 5$ there are fewer anchors, and more images: each anchor brings eleven of them. What's stored costs memory. What's compared costs *time*, at every step, so the number of anchors matters more. The laser sees twice as wide but no colours; in places it keeps image after image.
+# With $k = 5$ there are fewer anchors but more images: each anchor brings eleven of them. What's stored costs memory. What's compared costs *time*, at every step, so the number of anchors matters more. The laser has twice the field of view but no colours; in places it keeps image after image.
 
 # %% [markdown]
 # ## 4 · From image to image
 #
-# Now it drives. It gets the anchors $\hat o_1, \dots, \hat o_m$ and nothing else. At each step it may ask two things about an anchor: RE, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I?* The anchor that it drives to is the **active** one. When should it take the next?
+# Now your robot drives. It gets the anchors $\hat o_1, \dots, \hat o_m$ and nothing else. At each step it may ask two things about an anchor: RE, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I?* The anchor that it drives to is the **active** one. When should it move on?
 #
-# A colleague's robot takes the next anchor only when it stands at the active one. Watch its speed.
+# A colleague's robot moves on only when it stands at the active anchor. Watch its speed.
 
 # %% hidden=true
 # Four followers, filmed; each has settings of its own (about 15 s)
@@ -507,23 +507,23 @@ axis.legend(fontsize=10, loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# If the active anchor is too near, the robot brakes before it takes the next one. If it's too far, the robot leaves the recorded way, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where it wasn't asked), at each step:
+# If the active anchor is too near, the robot brakes before it moves on. If it's too far, the robot leaves the recorded path, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where not queried), at each step:
 #
-# 1. **Last visited.** Compare the active anchor with the ones just before and after it, if any. The closest has the largest overlap. It counts as visited if that overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
+# 1. **Last visited.** Compare the active anchor with those just before and after it, if any. The closest has the largest overlap. It counts as visited if that overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
 # 2. **Active.** Advance by one, if there is a next one, and
-#     - the next one is reachable, above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
+#     - the next one is reachable, its $\mathcal{RE}$ above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
 #     - the active one, or the one after it, was visited, now or earlier: then the robot must move on, whatever the next one's $\mathcal{RE}$.
 #
 #     Otherwise it stays.
 #
 # <details><summary>Where does this differ from the paper?</summary>
-# There the active anchor becomes <i>last visited + 1</i> where the next one isn't both reachable and near. Taken literally it falls back to one beside the robot or behind it, once the robot has advanced early and then doubts. Here it stays. And the paper leaves open what makes an anchor "visited"; it says "the closest" (III-H).
+# There the active anchor becomes <i>last visited + 1</i> where the next one isn't both reachable and near. Taken literally, that falls back to an anchor beside or behind the robot once it has advanced early and then doubts. Here it stays. And the paper leaves open what makes an anchor "visited"; it says "the closest" (III-H).
 # </details>
 #
 # ### Exercise 3 · `move_on` (medium, 12 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Two questions, one after the other. First: which anchor did I visit last? Then, with the answer: which one do I drive to?</details>
-# <details><summary>Hint 2: approach</summary>The anchors to compare are range(max(active - 1, 0), min(active + 1, last) + 1) with last = len(reach) - 1; max(places, key=lambda j: overlap[j]) is the closest. Update visited by it, then by at. Return early if active is the last anchor; what remains is one condition.</details>
+# <details><summary>Hint 2: approach</summary>The anchors to compare are range(max(active - 1, 0), min(active + 1, last) + 1) with last = len(reach) - 1; max(places, key=lambda j: overlap[j]) is the closest. Update visited with it, then with at. Return early if active is the last anchor; what remains is one condition.</details>
 # <details><summary>Hint 3: one line</summary>A light that goes on when it is switched on, or when it is dark and somebody comes, would be <code>if switched or (light &lt; rules.dark and distance &lt; rules.near): …</code>. Which condition stands alone here, and which two belong together?</details>
 
 
@@ -611,13 +611,13 @@ line = Prediction(
 display(line)
 
 # %% [markdown]
-# Two thresholds with a gap, a high one to begin and a low one to stop, have a name: **[[hysteresis]]**. Thermostats have it, too. So your robot **trusts at 0.92** and **gives up at 0.4**. With *build at 0.99* that's all three. The others are defaults, in a table at the end.
+# Two thresholds with a gap, a high one to begin and a low one to stop: that's **[[hysteresis]]**. Thermostats have it, too. So your robot **trusts at 0.92** and **gives up at 0.4**. With *build at 0.99* that's all three. The others are defaults, in a table at the end.
 #
 # ### A person comes
 #
-# Somebody steps into the corridor and hides the place; RE falls below 0.4. Or the robot has been pushed. Both usually pass. So coast to the last waypoint on odometry, and keep looking: that's **dead reckoning**.
+# Somebody steps into the corridor and blocks the view; RE falls below 0.4. Or the robot has been pushed. Both usually pass. So coast to the last waypoint on odometry, and keep looking: that's **dead reckoning**.
 #
-# The last waypoint was "1 m ahead and 0.6 m to the left". A colleague's robot keeps these two numbers, and drives by them for twelve seconds.
+# The last waypoint was "1 m ahead and 0.6 m to the left". A colleague's robot keeps these two numbers, and steers by them for twelve seconds.
 
 # %% hidden=true
 # The same two numbers for twelve seconds
@@ -671,11 +671,11 @@ carrot = Prediction(
 display(carrot)
 
 # %% [markdown]
-# So keep the waypoint as a *place*, in the [[odometry]]'s own frame, which doesn't move with the robot: `to_world(odometry, waypoint)`. To drive there, express it in the robot's present frame: `to_local(odometry, place)`. It only has to last for seconds; the odometer "needs not be very accurate" (III-H).
+# So keep the waypoint as a *place*, in the [[odometry]]'s own frame, which doesn't move with the robot: `to_world(odometry, waypoint)`. To drive there, express it in the robot's current frame: `to_local(odometry, place)`. The place only has to last for seconds; the odometer "needs not be very accurate" (III-H).
 #
 # ### Somebody carries it off
 #
-# They pick it up and put it down in another room. It lets go of its anchor at once, coasts to its last waypoint, which now means nothing, and keeps looking. Watch how long.
+# They pick your robot up and put it down in another room. It lets go of its anchor at once, coasts to its last waypoint, which now means nothing, and keeps looking. Watch for how long.
 
 # %% hidden=true
 # Carried off, without a limit
@@ -692,7 +692,7 @@ words = f"{len(after) * STEP:.0f} s later: it still waits"
 show(side_by_side([plan, near], ["blue: carried off; black: put down", words], gap=10))
 
 # %% [markdown]
-# It'd wait for ever. A car that isn't back on its way after 4 s of dead reckoning won't be. Then it's **lost**: it stops, and says so. That's an answer, too, and a better one than guessing on. The same holds for a robot that sees its anchor and comes no nearer for 5 s: something it doesn't see is in its way.
+# It would wait for ever. A car that isn't back on its path after 4 s of dead reckoning never will be. Then it's **lost**: it stops, and says so. That's an answer, too, and a better one than guessing. The same holds for a robot that sees its anchor and comes no nearer for 5 s: something unseen is in its way.
 #
 # ### The whole machine
 #
@@ -702,19 +702,19 @@ show(side_by_side([plan, near], ["blue: carried off; black: put down", words], g
 show(follower_machine())
 
 # %% [markdown]
-# Write it as a function without a memory: the old state and what's seen go in, the new state comes out.
+# Write it as a function without memory: the old state and what's seen go in, the new state comes out.
 #
-# - **Search:** if the best anchor is above `rules.p_search`, it becomes active and the robot follows; visited is the anchor before it (−1 if it is the first). Otherwise the robot is lost.
-# - **Follow:** if the active anchor is the last one and the robot is there (`at`), it's done; a high overlap with it isn't enough. Otherwise `move_on`. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following, else it goes over to dead reckoning.
-# - **Dead reckoning:** it goes back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise it's lost after *more* than `rules.timeout` seconds. The active anchor stays.
+# - **Search:** if the best anchor's $\mathcal{RE}$ is above `rules.p_search`, it becomes active and the robot follows; visited is the anchor before it (−1 if it is the first). Otherwise the robot is lost.
+# - **Follow:** if the active anchor is the last one and the robot is there (`at`), it's done; a high overlap isn't enough. Otherwise `move_on` decides. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following; otherwise it switches to dead reckoning.
+# - **Dead reckoning:** the robot goes back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise it's lost after *more* than `rules.timeout` seconds. The active anchor stays.
 #
 # A robot that becomes lost or done keeps the active and visited anchors that went in.
 #
 # ### Exercise 4 · `transition` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>One if for each state. Let each branch return; then no branch can affect another one.</details>
+# <details><summary>Hint 1: concept</summary>Use one if for each state. Let each branch return; then no branch can affect another.</details>
 # <details><summary>Hint 2: approach</summary>In Follow check for the end first, then active, visited = move_on(active, visited, reach, overlap, at, rules). In dead reckoning check RE first and the time second: a car that sees its anchor again is not lost.</details>
-# <details><summary>Hint 3: one line</summary>The first that is tallest would be <code>int(np.argmax(heights))</code>. And which of the two anchors does the last sentence about Follow mean, the one that went into <code>move_on</code>, or the one that came out?</details>
+# <details><summary>Hint 3: one line</summary>The first of the tallest would be <code>int(np.argmax(heights))</code>. And which of the two anchors does the last sentence about Follow mean, the one that went into <code>move_on</code>, or the one that came out?</details>
 
 
 # %% exercise="transition"
@@ -751,26 +751,26 @@ transition = check_transition.use(transition)
 # %% [markdown]
 # ### The loop
 #
-# Now one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things, a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice that it gets nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`, in Search, with both anchors −1.
+# Now write one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things, a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`, in Search, with both anchors −1.
 #
 # Each step observes (given), and then:
 #
 # 1. **At the anchor?** `at`: the waypoint of the active anchor is less than `rules.at` away, *and* its $\mathcal{RE}$ is above `rules.p_lose`; below that the waypoint means nothing.
-# 2. **The next state:** `transition`, with `waited`. A robot that's lost or done stops: the step returns `None` in place of a point to drive to, and its `place`, `waited` and `nearest` no longer matter.
-# 3. **The place:** a new waypoint is taken, that of the (new) active anchor, if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
-# 4. **The point** to drive to is the place, in the robot's present frame.
+# 2. **The next state** comes from `transition`, given `waited`. A robot that's lost or done stops: the step returns `None` in place of a point to drive to, and its `place`, `waited` and `nearest` no longer matter.
+# 3. **The place:** the waypoint of the (new) active anchor is taken if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
+# 4. **The point** to drive to is the place, in the robot's current frame.
 # 5. **Progress** is made if the state or the active anchor has changed in this step; or if the new state is Follow, and the point is nearer than `nearest` by more than 0.05 m. With progress, `waited` becomes 0, and `nearest` the distance to the point. Without it, `waited` grows by 0.1 s, and `nearest` stays.
 # 6. **Giving up:** a robot in Follow that has waited for more than `rules.effort` seconds is lost, too, and the step returns `None`.
 #
-# <details><summary>Why is coming nearer no progress in dead reckoning?</summary>
-# The clock would start only when the robot has arrived at a waypoint that means nothing.
+# <details><summary>Why doesn't coming nearer count as progress in dead reckoning?</summary>
+# The clock would start only once the robot had arrived at a waypoint that means nothing.
 # </details>
 #
 # ### Exercise 5 · `follow_step` (large, 35 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Take the six steps one after the other, and keep the old memory until the end: you need it to see what has changed. Two frames occur: waypoints are in the car's, the place is in the odometry's.</details>
-# <details><summary>Hint 2: approach</summary>memory.state and the others are the old values; call transition with them and get the new state, active and visited. Return early with None where the state is State.LOST or State.DONE. Then place, point and distance, then one condition for progress, and giving up last. A Memory is a named tuple: it cannot be written to, but memory._replace(waited=0.0) makes a new one, as Memory(...) with six values does.</details>
-# <details><summary>Hint 3: one line</summary>Whether a door has opened or its lock was changed: <code>changed = door.open != before.open or door.lock != before.lock</code>. Which two things of the memory are compared here? And which rule needs the same comparison of only one of them?</details>
+# <details><summary>Hint 1: concept</summary>Take the six steps one after the other, and keep the old memory until the end: you need it to see what has changed. Two frames are involved: waypoints are in the car's, the place is in the odometry's.</details>
+# <details><summary>Hint 2: approach</summary>memory.state and the others are the old values; call transition with them and get the new state, active and visited. Return early with None where the state is State.LOST or State.DONE. Then come place, point and distance, then one condition for progress, and giving up last. A Memory is a named tuple: it cannot be written to, but memory._replace(waited=0.0) makes a new one, as Memory(...) with six values does.</details>
+# <details><summary>Hint 3: one line</summary>Whether a door has opened or its lock was changed: <code>changed = door.open != before.open or door.lock != before.lock</code>. Which two fields of the memory do you compare? And which rule needs only one of these comparisons?</details>
 
 
 # %% exercise="follow_step"
@@ -815,7 +815,7 @@ follow_step = check_follow_step.use(follow_step)
 # %% [markdown]
 # ## 5 · To the photo on the fridge
 #
-# The rest is plumbing: observe, ask both networks, call your `follow_step`, drive to the point. So here's your robot, on your code. The numbers are places on its way, with what it saw there.
+# The rest is plumbing: observe, ask both networks, call your `follow_step`, drive to the point. So here's your robot, running your code. The numbers mark places on its path, with what it saw there.
 
 # %% hidden=true
 # Your robot drives there, and four others are disturbed on the way (about 15 s)
@@ -906,9 +906,9 @@ for robot in range(5):
 show(stacked([*ribbons, state_legend(900)], [*NAMES, ""], gap=2))
 
 # %% [markdown]
-# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S. Behind a *person* the robot coasts, and goes on once it sees enough. If the person stayed longer than the timeout, the robot would give up, though its way is right. A planner tries again, in notebook 06. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
+# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S-curve. Behind a *person* the robot coasts, and goes on once it sees enough. If the person stayed longer than the timeout, the robot would give up, though it's on the right path. In notebook 06 a planner tries again. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
 #
-# Five robots are anecdotes. The [page of results](../tutorial_lib/results/README.md#disturbances) counts more, in twenty buildings that no network has seen.
+# Five robots are anecdotes. The [page of results](../tutorial_lib/results/README.md#disturbances) covers more, in twenty buildings that no network has seen.
 #
 # Wheels slip, too. Here speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$, ten times a second.
 
@@ -927,13 +927,13 @@ print(", ".join(f"{m:.1f}" for m in metres[1:]), "m")
 show(stacked([picture], ["Dark blue without noise, pale with it"]))
 
 # %% [markdown]
-# Hardly a difference. A robot that looks ten times a second sees where it went wrong, and steers back. Steering that's *always* too weak would be another matter.
+# Hardly any difference. A robot that looks ten times a second sees where it went wrong, and steers back. Steering that's *always* too weak would be another matter.
 #
 # ## 6 · At most twelve images
 #
-# **An open task.** This robot keeps no context, $k = 0$: twelve images, and not one more. You choose them. Sixteen robots follow them on slipping wheels, and each is shoved twice, by up to 0.3 m and 20°. The score is the **share of the way they follow, in percent, minus 3 for each image**. All the way with twelve images makes 64. With fewer it could be more, until a hop is too long.
+# **An open task.** This robot keeps no context, $k = 0$: twelve images, and not one more. You choose them. Sixteen robots follow them on slipping wheels, and each is shoved twice, by up to 0.3 m and 20°. The score is the **share of the drive they follow, in percent, minus 3 for each image**. All the way with twelve images scores 64. Fewer could score more, until a hop is too long.
 #
-# `reach` is RE from each image of the drive to the next 60, now by the network with $k = 0$. `poses` says where each was taken; the robots won't know. There's more than one good choice.
+# `reach` is RE from each image of the drive to the next 60, now from the network with $k = 0$. `poses` says where each was taken; the robots won't know. There's more than one good choice.
 
 # %%
 NAME = "my images"  # in the league table
@@ -1000,12 +1000,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
-# <i>Nine, evenly spaced</i>: <code>np.linspace(0, len(reach) - 1, 9).round().astype(int)</code>. No network at all; no hop is longer than 2.3 m, and this drive is nearly straight. With eight, some robots get lost. <i>Nine that RE trusts.</i> The chain of nine images whose product of RE is largest, found from start to end like a shortest path, with no hop longer than 2.6 m. Without that limit it takes a hop of more than 4 m down the corridor, since RE says 0.94 there, and shoved robots don't make it: the best of many is often luck.
+# <i>Nine, evenly spaced</i>: <code>np.linspace(0, len(reach) - 1, 9).round().astype(int)</code>. It needs no network; no hop is longer than 2.3 m, and this drive is nearly straight. With eight, some robots get lost. <i>Nine that RE trusts.</i> It's the chain of nine images with the largest product of REs, found like a shortest path, with no hop longer than 2.6 m. Without that limit the chain takes a hop of more than 4 m down the corridor, since RE says 0.94 there, and shoved robots don't make it: the best of many is often just lucky.
 # </details>
 #
 # ## 7 · How few will do?
 #
-# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres that are followed before the robot strays, touches something or gives up, over all metres. Its rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's the twin of the paper's Fig. 7. Solid, *meng*: RE chooses. Dashed, *sptm*: every n-th. Watch the left ends.
+# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres followed before the robot strays, touches something or gives up, over all metres. The paper's rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's our twin of the paper's Fig. 7. Solid lines, *meng*: RE chooses. Dashed, *sptm*: every n-th image. Watch the left ends.
 
 # %% hidden=true
 # Cover rate against sparsity, from a stored run
@@ -1015,18 +1015,18 @@ print(f"{len(fig7.worlds)} unseen worlds, {clean[0]['trajectories']} trajectorie
 show(cover_chart(clean, "sparsity", 8.0))
 
 # %% [markdown]
-# Where few images are kept, the dashed curves fall earlier and more steeply. At ten percent any choice is good. The thresholds mean the same for every controller; no $n$ does. The [page of results](../tutorial_lib/results/README.md#fig-7-cover-rate-and-sparsity) has all numbers, the paper's, and those with noise.
+# Where few images are kept, the dashed curves fall earlier and more steeply. At ten percent any choice works. A threshold means the same for every controller; an $n$ doesn't. The [page of results](../tutorial_lib/results/README.md#fig-7-cover-rate-and-sparsity) has the numbers, including the paper's and those with noise.
 #
-# <details><summary>Is every n-th image really blind?</summary>
-# Not quite: it's not a fixed <i>distance</i>. A car drives slowly where it's hard, and so records more images there. What it can't do is adapt to the <i>controller</i>.
+# <details><summary>Is taking every n-th image really blind?</summary>
+# Not quite: the <i>distance</i> isn't fixed. A car drives slowly where driving is hard, and so records more images there. What the rule can't do is adapt to the <i>controller</i>.
 # </details>
-# <details><summary>Does context pay?</summary>
-# In anchors, yes: k = 5 needs the fewest. In stored images it's the other way round, and k = 0 needs the least by far. In the paper the cover rate without context is at most 90 %; here it's as high as with it, since painted walls are easy to tell apart.
+# <details><summary>Does context pay off?</summary>
+# In anchors, yes: k = 5 needs the fewest. In stored images it's the other way round: k = 0 needs the fewest by far. In the paper the cover rate without context is at most 90 %; here it's as high without as with, since painted walls are easy to tell apart.
 # </details>
 #
 # ## 8 · A field trip
 #
-# **Second sitting.** No network has seen the flat down the road, where 24 drives were recorded. Their anchors are sparser than yours, at 0.95, so that more goes wrong. *Random* drives to random points, and the *oracle* knows its pose and the drive. Watch how much of the gap between yours and the oracle the library's follower closes.
+# **Second sitting.** No network has seen the flat down the road, where 24 drives were recorded. Their anchors, built at 0.95, are sparser than yours, so that more goes wrong. *Random* drives to random points, and the *oracle* knows its pose and the drive. Watch how far the library's follower closes the gap between yours and the oracle.
 
 # %% hidden=true
 # Follow 24 drives at random, by you, by the library, and by an oracle (about 30 s)
@@ -1094,7 +1094,7 @@ rows = [[name, metres_of(one).sum() / lengths.sum()] for name, one in results.it
 table({"": "", "cover rate": ".1%"}, rows)
 
 # %% [markdown]
-# The oracle shows that the *car* can drive nearly all of it, so the body isn't what the others lack. Here's the drive on which yours and the library's [follower](../tutorial_lib/topology/following/follower.py) differ most.
+# The oracle shows that the *car* can cover nearly every metre, so the body isn't what holds the others back. Here's the drive on which yours and the library's [follower](../tutorial_lib/topology/following/follower.py) differ most.
 
 # %% hidden=true
 # The drive on which both differ most
@@ -1116,13 +1116,13 @@ for name, followed, log in (
 show(stacked([side_by_side(panels, titles, height=min(520, len(panels[0]))), state_legend(900)]))
 
 # %% [markdown]
-# <details><summary>What does the library's follower have that yours hasn't?</summary>
-# More memory; all of it is ours and not the paper's. It <i>confirms</i>: it's back on its way, or has arrived, only after five steps in a row. It <i>tries again</i>: at the end of dead reckoning it drives to a new waypoint, as long as RE of the active anchor is above p_try, 0.2. It <i>searches for the heading</i>: at an anchor of which it sees little, it drives beside it, and turns as long as the overlap grows. It <i>doubts</i>: driving changes a view little by little, a kidnapping at once; where RE falls by more than 0.2 within a step, it must recover within rules.timeout, or it's lost. After rules.effort seconds without coming nearer it counts the anchor as visited; yours is lost at once. And it <i>turns</i> where a map says that the path goes on elsewhere.
+# <details><summary>What does the library's follower have that yours doesn't?</summary>
+# More memory; all of this is ours, not the paper's. It <i>confirms</i>: it's back on its path, or has arrived, only if five steps in a row say so. It <i>tries again</i>: at the end of dead reckoning it drives to a new waypoint, as long as RE of the active anchor is above p_try, 0.2. It <i>searches for the heading</i>: at an anchor with little overlap, it turns to one side as long as the overlap grows. It <i>doubts</i>: driving changes a view little by little, a kidnapping at once; where RE falls by more than 0.2 within a step, it must recover within rules.timeout, or it's lost. After rules.effort seconds without coming nearer it counts the anchor as visited; yours is lost at once. And it <i>turns</i> where a map says that the path goes on elsewhere.
 # </details>
 #
 # ## 9 · A detective story
 #
-# Even the library's follower doesn't finish all 24 drives. What do the failures have in common? The first suspects are length, tight places, sharp bends and reversing. Compare how often it fails with each of them, and without.
+# Even the library's follower doesn't finish all 24 drives. What do the failures have in common? The first suspects are length, tight places, sharp bends and reversing. Compare how often it fails with and without each.
 
 # %% hidden=true
 # How often it fails, with and without each suspect
@@ -1152,7 +1152,7 @@ early = (metres[~covered_whole] < 3.0).sum()
 print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 
 # %% [markdown]
-# A few failures prove little, and the suspects come together on the same drives. The last line is the clue: most fail where they *begin*. There the recorded car goes back and forth, to turn round in a room. Why should that be hard? Here are four scenes of the crime. The vermilion arrowhead is the anchor it last drove to; the robot stands where it set off.
+# A few failures prove little, and the suspects turn up together on the same drives. The last line is the clue: most failures come where drives *begin*. There the recorded car goes back and forth, to turn round in a room. Why should that be hard? Here are four crime scenes. The robot stands where it set off for its last anchor, the vermilion arrowhead.
 
 
 # %% hidden=true
@@ -1236,13 +1236,13 @@ headings |= {"RE from the robot": ".2f", "RE from that anchor": ".2f"}
 table(headings, log_rows)
 
 # %% [markdown]
-# In a manoeuvre two anchors lie almost at one *place*, with different *headings*. "Reached" is defined by position alone, in the labels of RE as in the success of $\mathcal C$. So the waypoint of an anchor 0.2 m away says *you're there*, whatever the heading, and the robot sets off towards the next one. From the anchor's own image that one is reachable, and the sparsifier checks nothing else. From where the robot really stands it isn't.
+# In a manoeuvre two anchors can lie at almost the same *place*, with different *headings*. "Reached" is defined by position alone, for RE's labels and $\mathcal C$'s success alike. So the waypoint of an anchor 0.2 m away says *you're there*, whatever the heading, and the robot sets off towards the next one. From the first anchor's own image the next is reachable, and the sparsifier checks nothing else. From where the robot really stands, it isn't.
 #
 # <details><summary>Doesn't the library's robot search for the heading?</summary>
 # It does, and often that saves it. But it steers by the overlap, and where anchors with opposite headings lie so close together, neither overlap nor waypoint tells them apart. And a car can't turn on the spot: while it turns, it drives away. Not every failure is of this kind; look for exceptions in the table.
 # </details>
 #
-# A suspicion isn't a proof. If that's the cause, the same drives must work from the point where the car is under way. So take the same drives without their first 2 m, with new anchors and the same follower.
+# A suspicion isn't proof. If that's the cause, the same drives should work from the point where the car is under way. So take them without their first 2 m, with new anchors and the same follower.
 
 # %% hidden=true
 # The same drives without their first metres (about 10 s)
@@ -1261,11 +1261,11 @@ table({"": "", "cover rate": ".1%"}, rows)
 # %% [markdown]
 # Case closed. A chain of anchors silently assumes that a robot which has reached one of them stands there *as the recorded car did*. Where the car drives forwards, it does. In a manoeuvre it doesn't.
 #
-# Note what this does to Fig. 7: its drives begin after 2 m, too. An experiment that leaves out the beginnings answers another question, *how well are anchors followed under way?*, and gives a better number. That's fine as long as it's said.
+# Note what this means for Fig. 7: its drives begin 2 m in, too. An experiment that leaves out the beginnings answers another question, *how well are anchors followed under way?*, and gives a better number. That's fine as long as you say so.
 #
 # ## 10 · Corners, or narrow places?
 #
-# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the next metre's least clearance and its turning. Vermilion dots lie on the first two metres.
+# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the least clearance and the turning on the next metre. Vermilion dots are from the first two metres.
 
 
 # %% hidden=true
@@ -1306,7 +1306,7 @@ display(table(head, [["on the next metre", *correlations["on the next metre"]]])
 show(from_figure(figure))
 
 # %% [markdown]
-# Black lines are means over quarters of the points. Both matter, a little: anchors are denser where it's tight and where it bends. [Twenty buildings](../tutorial_lib/results/README.md#fig-5-placement-of-anchors) say so for every controller, and neither reason beats the other. What makes a place hard is that the *view changes fast*, and these are two of the reasons.
+# Black lines are means over quarters of the points. Both matter, a little: anchors are denser where the path is tight or bends. [Twenty buildings](../tutorial_lib/results/README.md#fig-5-placement-of-anchors) confirm this for every controller, and neither cause beats the other. What makes a place hard is that the *view changes fast*, and these are two of the reasons.
 #
 # ### Find the bug
 #
@@ -1318,7 +1318,7 @@ table(head, [["over the whole gap", *correlations["over the whole gap"]]])
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# A longer gap holds more turning simply because it's longer, and it passes more narrow places, too. Summed over the gap, turning grows with the gap, and that hides the real effect. More data wouldn't help: it's the wrong question. What's measured about a place mustn't depend on how far the robot got from there; so take the same metre for all.
+# A longer gap holds more turning simply because it's longer, and it passes more narrow places, too. Summed over the gap, turning grows with the gap, and that hides the real effect. More data wouldn't help: it's the wrong question. What's measured about a place mustn't depend on how far the robot got from there; so measure the same metre everywhere.
 # </details>
 #
 # ## 11 · Good night, robot
@@ -1345,11 +1345,11 @@ table({"rules.": "", "value": "g", "of what": ""}, rows)
 # After this notebook you can
 #
 # - choose the few images of a drive that the controller needs, with a pencil and with code, and say what they cost;
-# - write the machine and the loop by which a robot follows them without knowing its position;
+# - write the state machine and the loop by which a robot follows them without knowing its position;
 # - say how it reacts when it's pushed, blocked or carried off, and how it notices that it's lost;
 # - read the chart by which such systems are compared: cover rate against sparsity.
 #
-# **Extras, if you like.** Take the *last* image above the threshold in place of an unbroken run: how many anchors are left, and what happens to the cover rate? Is the greedy rule optimal? Find the *fewest* anchors, a shortest path on which each jump costs 1. Let `reach_ahead` render what's seen from `compose(pose, [0, 0, turn])`, turned by 30° to either side, and take the smallest of the three REs: where do anchors appear, and what becomes of section 9's failures?
+# **Extras, if you like.** Take the *last* image above the threshold, even beyond a dip: how many anchors are left, and what happens to the cover rate? Is the greedy rule optimal? Find the *fewest* anchors: a shortest path on which each hop costs 1. Let `reach_ahead` render what's seen from `compose(pose, [0, 0, turn])`, turned by 30° to either side, and take the smallest of the three REs: where do anchors appear, and what becomes of section 9's failures?
 #
 # One thing before you go. Park the robot somewhere else tonight, at C or at D, with the same images.
 
@@ -1368,4 +1368,4 @@ for place, log in zip("CD", parked_states.T, strict=True):
 show(stacked([picture], ["Grey: the drive that it knows"]))
 
 # %% [markdown]
-# It knows one drive, and that one passes neither C nor D. Others have driven from there, though, and each left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.
+# It knows one drive, which passes neither C nor D. Others have driven from there, though, and each left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.
