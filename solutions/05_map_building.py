@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 05 · Map building
 #
-# **A trip nobody made.** Two people drove your robot through the flat: one from C to D, taking photos 1 to 7, one from A to B, taking photos a to h. Now it's parked at C, and you hold up photo h, from the fridge: *take me here*. Nobody drove from C to B.
+# **A trip nobody made.** Two people drove your robot through the flat: one from C to D, taking photos 1 to 7, the other from A to B, taking photos a to h. Now it's parked at C, and you hold up photo h, from the fridge: *take me here*. Nobody drove from C to B.
 #
-# With the floor plan it's easy. Your robot has two strips of photos. *Where should it change from one to the other?*
+# With the floor plan it's easy. Your robot has only two strips of photos. *Where should it change from one to the other?*
 #
 # By the end, twelve drives will have become one map, built by your code. It'll hold trips that nobody made. And on a field trip it'll lie to you.
 
@@ -194,39 +194,39 @@ trip = Prediction(
 display(trip)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 and 10 are for a second sitting. You need notebooks 03 and 04: RE, in formulas $\mathcal{RE}$, the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive that are worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Sections 9 and 10 are for a second sitting. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 04: image 5 can be reached from the anchor at 0, image 4 can't. Is 5 the next anchor?</summary>
-# No. Every image up to the next anchor must be reachable, so the run ends at 3.
+# <details><summary>Notebook 04: image 5 can be reached from the anchor at 0, but image 4 can't. Is 5 the next anchor?</summary>
+# No. Every image up to the next anchor must be reachable, so the next anchor is 3.
 # </details>
 # <details><summary>Notebook 04: how does a follower know that it's lost?</summary>
-# It can't see its anchor for too long. Then it stops and says so; guessing on would be worse.
+# It hasn't seen its anchor for too long. Then it stops and says so; guessing would be worse.
 # </details>
-# <details><summary>Notebook 03: RE says 0.9 for a hundred pairs. How many drives should arrive?</summary>
-# About ninety. If only sixty do, RE is sure and wrong, and a map that trusts it plans through walls.
+# <details><summary>Notebook 03: RE predicts 0.9 for a hundred pairs. How many robots should arrive?</summary>
+# About ninety. If only sixty do, RE is sure and wrong, and a planner that trusts it goes through walls.
 # </details>
 #
 # ## 1 · One graph
 #
-# Follow one drive's anchors, and you get to that drive's end. Change drives, and you get further. All anchors of all drives become one **directed graph**, a [[topological map]]:
+# Follow one drive's anchors, and you get to that drive's end. Change drives, and you get further. The anchors of all drives become one **directed graph**, a [[topological map]]:
 #
 # - a **[[vertex]]** is an anchor $\hat o_i$: its images, no position, no heading;
 # - an **[[edge]]** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from one to the other;
 # - its **weight** is $w(\hat o_i, \hat o_j) = -\log \mathcal{RE}(\hat o_i, \hat o_j)$.
 #
-# Here are two tiny drives, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, with RE from each anchor (row) to each (column). Framed cells are steps of a drive. A pair becomes an edge if $\mathcal{RE} > p_\text{edge}$; the others are **pruned**. Driven steps always stay, since the car did drive them. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
+# Here are two tiny drives, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, with RE from each anchor (row) to every anchor (column). Framed cells are steps of a drive. A pair becomes an edge if $\mathcal{RE} > p_\text{edge}$; the others are **pruned**. Driven steps always stay, since the car really drove them. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
 
 # %%
 show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# Ten. From 0 to 1 and 4; from 1 to 2, 4 and 5; from 3 to 1 and 4; from 4 to 1, 2 and 5. The 1.00s on the diagonal aren't edges: nobody drives to where they already are. From 2 to 5 it's 0.90, which isn't greater than 0.9. From 3 to 4 it's only 0.62, but a drive goes there.
+# Ten. From 0 to 1 and 4; from 1 to 2, 4 and 5; from 3 to 1 and 4; from 4 to 1, 2 and 5. The 1.00s on the diagonal aren't edges: nobody drives to where they already are. From 2 to 5 RE is 0.90, which isn't greater than 0.9. From 3 to 4 it's only 0.62, but that step was driven.
 # </details>
 #
-# **Why directed?** From 0 to 1 it's 0.97, from 1 back to 0 only 0.30. Ahead, the robot sees its target; behind, it doesn't.
+# **Why directed?** From 0 to 1 RE is 0.97, from 1 back to 0 only 0.30. The robot sees a target ahead, not one behind.
 #
 # **Why a logarithm?** On the path 3, 1, 5 both steps must succeed: $0.91 \cdot 0.93$. Shortest-path algorithms *add*. The logarithm turns a product into a sum, and the minus sign makes the most probable path the shortest:
 #
@@ -234,10 +234,10 @@ show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 #
 # ### Exercise 1 · `edge_weights` (easy, 8 minutes)
 #
-# There's an edge where RE is *greater* than `p_edge`, or where a drive goes; never from a vertex to itself, even if `driven` says so. Where there's no edge, the weight is `np.inf`. Any RE below $10^{-12}$ counts as $10^{-12}$, so that a driven edge stays finite.
+# There's an edge where RE is *greater* than `p_edge`, or where a drive goes, but never from a vertex to itself, even if `driven` says so. Where there's no edge, the weight is `np.inf`. Any RE below $10^{-12}$ counts as $10^{-12}$, so that a driven edge's weight stays finite.
 #
 # <details><summary>Hint 1: concept</summary>Two steps: which pairs are edges, and what does each one weigh? The first is a Boolean table.</details>
-# <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(table, value) changes a table in place. np.maximum(x, 0.5) lets no number be below 0.5.</details>
+# <details><summary>Hint 2: approach</summary>There is an edge where reach is above p_edge, or driven is True, but never on the diagonal: np.fill_diagonal(table, value) changes a table in place. np.maximum(x, 0.5) lets no number fall below 0.5.</details>
 # <details><summary>Hint 3: one line</summary>np.where(mask, one, other) takes one where mask is True, and other elsewhere. Which of the two is np.inf here?</details>
 
 
@@ -299,7 +299,7 @@ display(pencil)
 # %% [markdown]
 # ## 2 · Twelve drives
 #
-# That was Monday. By Friday your robot has twelve drives, from each of the four places to each other one. Notebook 04 chose their anchors, with $k = 5$ and $p_\text{sparsify} = 0.99$. Now RE answers for **every** pair of anchors, once. That takes a few seconds, and section 7 shows why a large map mustn't do it. The poses are for *our* figures; the map never gets them.
+# That was Monday. By Friday your robot has twelve drives, from each of the four places to every other. Notebook 04's rule chose their anchors, with $k = 5$ and $p_\text{sparsify} = 0.99$. Now we query RE for **every** pair of anchors, once. That takes a few seconds; section 7 shows why a large map can't afford it. Poses are for *our* figures; the map never gets them.
 
 # %% hidden=true
 # All twelve drives, their anchors, and RE between all of them
@@ -400,7 +400,7 @@ for words, p_edge in (
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# Nearly everything is gone. An edge through three walls has an RE of about 0.3, and no good path uses it. What's left joins neighbours, and where the drives run side by side, the robot can change. But there each place is on the map twice.
+# Nearly everything is gone. An edge through three walls has an RE of about 0.3, and no good path uses it. What's left joins neighbours, and where the drives run side by side, the robot can switch. But there each place is on the map twice.
 #
 # ## 3 · One place, one vertex
 #
@@ -408,17 +408,17 @@ show(side_by_side(panels, titles))
 #
 # $$ \mathcal{RE}(\hat o_{i-1}, \hat o) > p_\text{reuse} \quad\text{and}\quad \mathcal{RE}(\hat o, \hat o_{i+1}) > p_\text{reuse}. $$
 #
-# Then $\hat o_i$ is dropped, and the drive goes $\hat o_{i-1} \to \hat o \to \hat o_{i+1}$. Look at what the rule does *not* ask: whether $\hat o$ **looks like** $\hat o_i$, or stands where it stood. Remember that.
+# Then $\hat o_i$ is dropped, and the drive's path goes $\hat o_{i-1} \to \hat o \to \hat o_{i+1}$. Note what the rule does *not* ask: whether $\hat o$ **looks like** $\hat o_i$, or was taken nearby. Remember that.
 #
-# If several vertices qualify, take the one with the largest product of both steps. The first anchor is its own predecessor, and the last its own successor.
+# If several vertices qualify, take the one with the largest product of both REs. The first anchor is its own predecessor, and the last its own successor.
 #
 # ### Exercise 2 · `reusable` (easy, 8 minutes)
 #
-# If two vertices have the same product, either will do.
+# If two products are equal, either vertex will do.
 #
-# <details><summary>Hint 1: concept</summary>First find those that qualify, then the best of them. Check whether there is one at all before you look for the best.</details>
-# <details><summary>Hint 2: approach</summary>Three Boolean arrays, joined by &, say which vertices qualify; their .any() is whether there is one. To leave the indices as they are, do not select those that qualify: give the others a score that cannot win.</details>
-# <details><summary>Hint 3: one line</summary>(heights * tall).argmax() is the highest of those that are tall, since False counts as 0. What stands for heights here?</details>
+# <details><summary>Hint 1: concept</summary>First find the vertices that qualify, then the best of them. Check whether there is one at all before you look for the best.</details>
+# <details><summary>Hint 2: approach</summary>Three Boolean arrays, joined by &, say which vertices qualify; .any() says whether there is one. To leave the indices as they are, do not filter: give the others a score that cannot win.</details>
+# <details><summary>Hint 3: one line</summary>(heights * tall).argmax() finds the highest of those that are tall, since False counts as 0. What stands in for heights here?</details>
 
 
 # %% exercise="reusable"
@@ -446,17 +446,17 @@ reusable = check_reusable.use(reusable)
 # %% [markdown]
 # ### Never backwards
 #
-# A drive follows an older one along a corridor. Vertex 9 stands in for its anchor 5. For anchor 6, vertex 9 qualifies once more, and so does vertex 8. Take either, and the new drive stands still on the map, or goes back, though the car drove on.
+# A new drive follows an older one along a corridor. The older one's vertex 9 replaces the new anchor 5. For anchor 6, vertex 9 qualifies again, and so does vertex 8. Take either, and the new drive stands still on the map, or goes back, though the car drove on.
 #
 # Once you've reused a vertex of some drive, take only **later** vertices of that drive. Other drives stay open. The map stores each vertex's `trajectory`, and its `place` there: 0, 1, 2 and so on.
 #
 # ### Exercise 3 · `ahead_of` (easy, 7 minutes)
 #
-# Which vertices are still open, after some have been reused?
+# Which vertices are still open after some have been reused?
 #
 # <details><summary>Hint 1: concept</summary>At first all are allowed. Each vertex that was reused excludes some: those of its own trajectory that are not ahead of it.</details>
-# <details><summary>Hint 2: approach</summary>Begin with a Boolean array that is True for every vertex. In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
-# <details><summary>Hint 3: one line</summary>books &= (author != author[mine]) | (year > year[mine]) leaves out what my author wrote until then. In a loop, mine is each of several books.</details>
+# <details><summary>Hint 2: approach</summary>Begin with a Boolean array that is True for every vertex. In a loop over reused, keep, with &=, only those of another trajectory, or (|) with a greater place.</details>
+# <details><summary>Hint 3: one line</summary>books &= (author != author[mine]) | (year > year[mine]) leaves out my book and its author's earlier ones. In a loop, mine is one book after another.</details>
 
 
 # %% exercise="ahead_of"
@@ -489,25 +489,25 @@ ahead_of = check_ahead_of.use(ahead_of)
 # | | |
 # |---|---|
 # | `vertices` | a list of the anchors that are vertices |
-# | `paths` | a list: for each trajectory the list of vertices that it leads through |
-# | `reach` | (N, N), the table; only to look into |
+# | `paths` | a list: for each trajectory the list of vertices that it passes |
+# | `reach` | (N, N), the table; read-only |
 # | `edge_reach` | (N, N), RE of the pairs that may be edges; 0 elsewhere |
 # | `driven` | (N, N), True where a trajectory goes from vertex to vertex |
-# | `trajectory`, `place` | (N,), for which trajectory a vertex was made, and its place there; -1 for anchors that are no vertices |
-# | `before`, `after` | (N,), the vertex next to a vertex along its own trajectory; -1 for none |
+# | `trajectory`, `place` | (N,), the trajectory for which a vertex was made, and its place there; -1 for anchors that aren't vertices |
+# | `before`, `after` | (N,), the neighbours of a vertex along its own trajectory; -1 for none |
 #
 # ### Exercise 4 · `insert` (large, 35 minutes)
 #
 # `own` holds the anchors of the new trajectory, in order. Four steps:
 #
-# 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the last vertex of the path so far: if the previous anchor was replaced, the robot stands on its replacement. *Onward* is RE to the next anchor, `own[i + 1]`, whatever becomes of it. For the first and the last anchor take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
-# 2. **Add** each anchor that stays as a vertex, with its `trajectory` (the number of paths until now), its `place` (its index along `own`), and the vertices `before` and `after` it on the new path.
-# 3. **Join.** Each new vertex with every other vertex, old or new, in both directions: `edge_reach` is what `scores` has for the pair. Until section 5 `scores` is `reach`.
+# 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the last vertex of the path so far: if the previous anchor was replaced, the robot stands on its replacement. *Onward* is RE to the next anchor, `own[i + 1]`, whatever becomes of it. At either end, take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
+# 2. **Add** each anchor that stays to the vertices, with its `trajectory` (the number of paths so far), its `place` (its index along `own`), and the vertices `before` and `after` it on the new path.
+# 3. **Join** each new vertex with every other vertex, old or new, in both directions: `edge_reach` is the pair's entry in `scores`. Until section 5, `scores` is `reach`.
 # 4. **Follow.** Each step from vertex to vertex of the new path is `driven`, and its `edge_reach` is at least the `reach` of the step. Append the path to `paths`.
 #
-# <details><summary>Hint 1: concept</summary>One loop for step 1, which never looks at edges. When the path is complete you know which anchors stay: those that stand on it themselves. Steps 2 to 4 need nothing else.</details>
-# <details><summary>Hint 2: approach</summary>In step 1 two lists grow: the path, and the vertices reused so far. grown.reach[a, grown.vertices] is a row of RE, from a to each vertex; grown.reach[grown.vertices, b] a column. ahead_of(grown.trajectory, grown.place, reused) answers for all N anchors: select the vertices from it. reusable returns a position in grown.vertices, not an anchor. For before and after put a -1 on either end of the path.</details>
-# <details><summary>Hint 3: one line</summary>What is min(i + 1, last) at the last anchor? In step 3: does your loop join two new vertices with each other, and in both directions? In step 4: is it the anchors that were driven, or the vertices of the path?</details>
+# <details><summary>Hint 1: concept</summary>One loop for step 1, which never looks at edges. When the path is complete, you know which anchors stay: those that are on it themselves. Steps 2 to 4 need nothing else.</details>
+# <details><summary>Hint 2: approach</summary>In step 1 two lists grow: the path, and the vertices reused so far. grown.reach[a, grown.vertices] is a row of RE, from a to each vertex; grown.reach[grown.vertices, b] a column. ahead_of(grown.trajectory, grown.place, reused) answers for all N anchors: select the vertices' entries. reusable returns a position in grown.vertices, not an anchor. For before and after, put a -1 at either end of the path.</details>
+# <details><summary>Hint 3: one line</summary>What is min(i + 1, last) at the last anchor? In step 3: does your loop join two new vertices with each other, and in both directions? In step 4: do driven steps join the anchors, or the vertices of the path?</details>
 
 
 # %% exercise="insert"
@@ -617,7 +617,7 @@ twins = Prediction(
 display(twins)
 
 # %% [markdown]
-# No path is lost: a robot that could follow the second drive still can, by other images. Now step through it. Green dots qualify, the amber line is the new path so far, and the photos are the anchor and what was taken for it. Try $p_\text{reuse} = 0.9$ and 0.998 where the drives part.
+# No path is lost: a robot that could follow the second drive still can, via other images. Now step through it. Green dots mark vertices that qualify, the amber line is the new path so far, and the photos show the anchor and its replacement. Try $p_\text{reuse} = 0.9$ and 0.998 where the drives part.
 
 # %% hidden=true
 # The insertion of the second drive, step by step
@@ -655,7 +655,7 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# Where the drives part, the next anchor is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. A lower threshold ends it later, and the map trusts longer jumps. Near 1 even twins are refused, since RE never quite says 1.
+# Where the drives part, the next anchor is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. A lower threshold ends reuse later, and the map trusts longer jumps. Near 1, even twins are refused, since RE never quite reaches 1.
 # </details>
 #
 # ### Find the bug
@@ -688,12 +688,12 @@ table(head, rows)
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car seldom gets back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: yours checked every step onward. Hers checked the reverse, and one of her steps is worse than 0.99. In a table of RE the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car can seldom drive back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: yours checked every step onward. Hers checked the reverse, and one of her steps is below 0.99. In a table of RE, the row is always where the robot stands.
 # </details>
 #
 # ## 4 · What nobody showed it
 #
-# Twelve drives, twelve starts. Each start could lead to the end of any drive that ends at another place. That's 9 ends for each start, 108 paths; twelve of them were driven. Watch the paths, and what each kind of map pays for them.
+# Twelve drives, twelve starts. From each start, a path could lead to the end of any drive that ends elsewhere. That's 9 ends for each start, 108 paths; twelve of them were driven. Compare how many paths each kind of map holds, and at what price.
 
 
 # %% hidden=true
@@ -729,12 +729,12 @@ table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 # There they are, the trips that nobody made. Joined, the drives hold every path, though only twelve were driven. Reuse keeps them all with far fewer vertices, and then driven steps alone are enough.
 #
 # <details><summary>Your robot arrives at A. Why can't it go on to B on this map?</summary>
-# A drive that ends at A ends facing the room, and none begins there with that heading: nobody showed it how to turn round. A map can't hold what was never driven.
+# A drive to A ends facing into the room, and none begins there with that heading: nobody showed the robot how to turn round. A map can't hold what was never driven.
 # </details>
 #
-# The library's agent closes such gaps with its laser: where two scans fit, it adds a **[[turn edge]]**, driven as a three-point turn. Yours has none.
+# The library's agent closes such gaps with its laser: where two scans match, it adds a **[[turn edge]]**, driven as a three-point turn. Your map has none.
 #
-# Now you set both thresholds. Vermilion edges are longer than 5 m on the shortest path. Find the lowest $p_\text{edge}$ without one. And what's left of the paths at $p_\text{reuse} = 1$ and $p_\text{edge} = 0.999$?
+# Now set both thresholds. Vermilion edges join vertices more than 5 m apart along the shortest path. Find the lowest $p_\text{edge}$ without one. And what's left of the paths at $p_\text{reuse} = 1$ and $p_\text{edge} = 0.999$?
 
 # %% hidden=true
 # The map at two thresholds
@@ -765,7 +765,7 @@ sliders(
 )
 
 # %% [markdown]
-# Only $p_\text{reuse}$ changes the vertices. At $p_\text{edge} = 0.999$ every short cut is gone, since RE never gets that high; without reuse, most paths go too.
+# Only $p_\text{reuse}$ changes the vertices. At $p_\text{edge} = 0.999$ only driven edges are left, since RE never gets that high; without reuse, most paths go, too.
 #
 # ## 5 · A field trip
 #
@@ -813,11 +813,11 @@ apart = Prediction(
 display(apart)
 
 # %% [markdown]
-# What you've just seen is **[[perceptual aliasing]]**: two places, one image. The edge that comes of it is a **[[wormhole]]**. We count every edge of more than 5 m on the shortest path. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
+# That's **[[perceptual aliasing]]**: two places, one image. The edge that results is a **[[wormhole]]**. We count every edge of more than 5 m along the shortest path. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
 #
 # ### One image lies, a sequence hardly ever does
 #
-# Two corridors may share one image. That the images *before* agree, too, and the images *after*, is much less likely. So ask for a sequence: anchor $i$ is joined with vertex $v$ only if the anchors around $i$ can be joined with the vertices around $v$,
+# Two corridors may share one image. That the images *before* agree, too, and the images *after*, is much less likely. So ask for a sequence: anchor $i$ is joined to vertex $v$ only if the anchors around $i$ can be joined to the vertices around $v$,
 #
 # $$ \mathcal{RE}_\text{seq}(\hat o_i, v) \;=\; \min_{-2 \le s \le 2} \; \mathcal{RE}(\hat o_{i+s},\, v_{+s}), $$
 #
@@ -841,10 +841,10 @@ show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], val
 # %% [markdown]
 # ### Exercise 5 · `weakest_aligned` (hard, 15 minutes)
 #
-# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. A sequence ends, on its side, as soon as there's no next anchor or no next vertex. **Beware:** to numpy, -1 is the last one.
+# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. On either side, a sequence ends as soon as there's no next anchor or no next vertex. **Beware:** to numpy, -1 is the last one.
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
-# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>
+# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost, move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>
 # <details><summary>Hint 3: one line</summary>Do you compare with reach, which stays as it was, or with values that have been lowered already? Do both fingers start again from the pair itself for the second direction?</details>
 
 
@@ -878,7 +878,7 @@ def weakest_aligned(reach, before, after, steps):
 weakest_aligned = check_weakest_aligned.use(weakest_aligned)
 
 # %% [markdown]
-# From here on, sequences are active in your map builder. Watch the wormholes go, and what that costs. It takes about 5 s.
+# From here on, sequences are active in your map builder. Watch the wormholes go, and see what that costs. The table takes about 5 s.
 
 # %% hidden=true
 # Wormholes and good edges by the length of sequences
@@ -899,9 +899,9 @@ head = {"building": "", "p_edge": ".2f", "anchors on either side": "d", "wormhol
 table({**head, "good edges kept": ".0%"}, rows)
 
 # %% [markdown]
-# Sequences cost good edges: near a fork the earlier anchors agree and the later ones don't. That's a bargain, since good edges are many, and one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, for its rooms have different colours. The office needs them badly.
+# Sequences cost good edges: near a fork, the earlier anchors agree and the later ones don't. It's still a bargain: good edges abound, and one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, since its rooms have different colours. The office needs them badly.
 #
-# The last row's 1 is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences stay on for edges.
+# The 1 in the last row is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences still apply to edges.
 
 # %% hidden=true
 # Does reuse add wormholes, or take some away?
@@ -939,17 +939,17 @@ swap = Prediction(
 display(swap)
 
 # %% [markdown]
-# So a car "drove" through a wall, several times? It drove one long step, through no wall. Reuse replaced an anchor by a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot of the method, and of our library, which follows it. Can you do better?
+# So a car "drove" through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4 edges joined the drives. Here sequences cut most of those edges, so without reuse most of the 24 paths are gone; with section 3's rule all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would make 19. There's more than one good answer. You're given, about the V candidates:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most of the 24 paths are gone; with section 3's rule all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would score 19. There's more than one good answer. For the V candidates, you're given:
 #
 # | each is (V,) | |
 # |---|---|
 # | `into`, `onward` | as in `reusable` |
 # | `there`, `back` | RE from the anchor to the vertex, and from the vertex to the anchor |
-# | `there_seq`, `back_seq` | the same, but the weakest of aligned sequences |
+# | `there_seq`, `back_seq` | the same, but the least over aligned sequences |
 # | `allowed` | as in `reusable` |
 
 # %%
@@ -1034,22 +1034,22 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust sequences.</i> Add <code>(np.minimum(given.there_seq, given.back_seq) > 0.3)</code>: a vertex stands in only where whole stretches agree, both ways (0.1 isn't enough). It's strict, so some paths go, but of the long steps only the one that a car really drove is left. <i>Trust the pair.</i> Add <code>(np.minimum(given.there, given.back) > 0.99)</code>: the two must reach <i>each other</i>. A look-alike corridor often passes one way and fails the other. All paths stay, and some of the wormholes.
+# <i>Trust sequences.</i> Add <code>(np.minimum(given.there_seq, given.back_seq) > 0.3)</code>: a vertex stands in only where whole stretches agree, both ways (0.1 isn't enough). It's strict, so some paths go, but of the long steps only the one that a car really drove is left. <i>Trust the pair.</i> Add <code>(np.minimum(given.there, given.back) > 0.99)</code>: the two must reach <i>each other</i>. A look-alike corridor often passes one way and fails the other. All paths stay, but so do some of the wormholes.
 # </details>
 #
 # ## 7 · Not all pairs
 #
-# A drive of $A$ anchors and a map of $V$ vertices make $2AV$ pairs, and the next drive finds a larger map: RE's work grows with the **square** of the map. But nearly all its answers are *no*. Two ideas of ours save most of them:
+# A drive of $A$ anchors and a map of $V$ vertices make $2AV$ pairs, and the next drive finds a larger map: RE's work grows with the **square** of the map's size. But nearly all its answers are *no*. Two ideas of ours save most queries:
 #
-# 1. **Retrieval.** RE runs a network on each *pair*. An embedding (a list of numbers that a network makes from one image) is made from each image *alone*, once, and comparing two is a dot product. So ask RE about the 12 most similar vertices only.
-# 2. **Search along drives.** Where one pair is sure (RE above $p_\text{edge}$), its neighbours are worth a query, and then theirs, until nothing new is sure.
+# 1. **Retrieval.** RE runs a network on each *pair*. An embedding (a list of numbers that a network makes from one image) is computed for each image *alone*, once, and comparing two takes a dot product. So ask RE only about the 12 most similar vertices.
+# 2. **Search along drives.** Where one pair is sure (RE above $p_\text{edge}$), its neighbours are worth a query, and then theirs, until no new pair is sure.
 #
 # ### Exercise 6 · `ask_next` (medium, 10 minutes)
 #
-# `reach` holds what is known; `np.nan` marks pairs that weren't evaluated yet. Comparisons with it are False, and `np.isnan` finds it. The four neighbours of a pair (i, v) are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]); those beyond an end don't exist.
+# `reach` holds what is known; `np.nan` marks pairs that haven't been evaluated yet. Comparisons with it are False, and `np.isnan` finds it. The four neighbours of a pair (i, v) are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]); those beyond an end don't exist.
 #
 # <details><summary>Hint 1: concept</summary>Go through the pairs that are sure. Each one votes for its four neighbours. Known pairs need no vote.</details>
-# <details><summary>Hint 2: approach</summary>np.argwhere(table > 0) goes through the places of a table that are positive. Mark the four neighbours of each sure pair in a table of False, if there is such a row and the column is not -1.</details>
+# <details><summary>Hint 2: approach</summary>np.argwhere(table > 0) lists the places where a table is positive. Mark the four neighbours of each sure pair in a table of False, if the row exists and the column is not -1.</details>
 # <details><summary>Hint 3: one line</summary>Your table of votes may contain pairs that are known already. Which Boolean table do you combine it with, by & or by |?</details>
 
 
@@ -1083,7 +1083,7 @@ def ask_next(reach, before, after, p_edge):
 ask_next = check_ask_next.use(ask_next)
 
 # %% [markdown]
-# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start with the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. Watch how few queries find nearly every sure pair.
+# For each drive: which vertices of the *other eleven* can be reached from its anchors? Start from the most similar ones, with your search and without. *Random* starts anywhere; the *oracle* knows the poses and starts nearby. See how few queries find nearly every sure pair.
 
 
 # %% hidden=true
@@ -1136,7 +1136,7 @@ axis.legend(loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# Similarity finds the right neighbourhood, and the search collects the rest of it. The share is this large only because your flat's map is small. On a map of many buildings the *number* of queries counts. By retrieval it hardly grows, as a stored run shows:
+# Similarity finds the right neighbourhood, and the search collects the rest of it. The share of queries is this large only because your flat's map is small. On a map of many buildings, the *number* of queries counts. With retrieval it hardly grows, as a stored run shows:
 
 # %% hidden=true
 # The stored run of `bench map`
@@ -1157,7 +1157,7 @@ table(head, sorted(rows))
 # %% [markdown]
 # ## 8 · When a map is full
 #
-# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, for tens of thousands of images; this is the twin of the paper's Fig. 13. The [page of results](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
+# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, over tens of thousands of images; this is the twin of the paper's Fig. 13. The [page of results](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
 
 # %% hidden=true
 # Vertices against images, from a stored run
@@ -1181,17 +1181,17 @@ axis.legend(fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
-# <details><summary>Why don't they stop altogether?</summary>
-# A replacement must be reachable from the previous anchor <i>and</i> reach the next: some decimetres off, and one of the two is a little too far. So the library lets an <b>edge</b> stand in where no vertex does: RE from $v$ to the anchor, and from the anchor to $w$, are above p_between, and the drive goes through $v$ and $w$. A lower p_reuse shrinks maps, too, but then places merge that only look alike.
+# <details><summary>Why don't maps stop growing altogether?</summary>
+# A replacement must be reachable from the previous anchor <i>and</i> reach the next: a few decimetres off, and one of the two is a little too far. So the library lets an <b>edge</b> from $v$ to $w$ stand in where no vertex does: if RE from $v$ to the anchor, and from the anchor to $w$, is above p_between, the drive goes through $v$ and $w$. A lower p_reuse shrinks maps, too, but merges places that only look alike.
 # </details>
 #
 # ## 9 · What went wrong
 #
-# Three kinds of defects, counted on your flat's map and on the office's:
+# Three kinds of defects, counted on your flat's map and the office's:
 #
-# - **wormholes**, edges of more than 5 m;
+# - **wormholes**: edges longer than 5 m;
 # - **distant replacements**: the vertex stands more than 1 m from the anchor, or is turned by more than 30°;
-# - **duplicates**: vertices less than 0.6 m apart and turned by less than 20°, which reuse should have merged.
+# - **duplicates**: vertices less than 0.6 m and 20° apart, which reuse should have merged.
 
 
 # %% hidden=true
@@ -1248,17 +1248,17 @@ show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places, one image, and a rule of reuse that asks for no sequence. <i>Distant replacements</i>: in the office the same; in the flat most aren't defects. A vertex some metres on does the anchor's job as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are ends of drives, which are always kept.
+# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are ends of drives.
 # </details>
 #
 # ## 10 · The cupboard moved
 #
-# A week later someone has moved a cupboard. From then on no robot reaches the vertex that shows the old view, and each plan through it fails. So a map must forget. The library's rule: a new drive removes a vertex if the drive
+# A week later someone has moved a cupboard. Now no robot can reach the vertex that shows the old view, and each plan through it fails. So a map must forget. The library's rule: a new drive removes a vertex if
 #
-# - reaches, above $p_\text{edge}$, the vertex's predecessor and soon after its successor,
-# - and all the way gives the vertex itself less than $p_\text{outdated} = 0.1$: it's *surely* gone.
+# - the drive reaches, above $p_\text{edge}$, the vertex's predecessor and, soon after, its successor,
+# - and all the way, RE to the vertex itself stays below $p_\text{outdated} = 0.1$: it's *surely* gone.
 #
-# Let's pretend: someone drives the first drive again, and its vertex 4 has changed. With `p_outdated = 0.0` nothing is forgotten.
+# Let's pretend: someone repeats the first drive, and its vertex 4 has changed. With `p_outdated = 0.0`, nothing is forgotten.
 
 
 # %% hidden=true
@@ -1303,15 +1303,15 @@ for p_outdated in (0.0, 0.1):
     print("    the first drive is now  " + " ".join(map(str, aged.paths[0])))
 
 # %% [markdown]
-# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone: an RE that says 0 for everything out of sight would empty the map.
+# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting, the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone: otherwise, RE near 0 for everything out of sight would empty the map.
 #
 # <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
-# If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If little, the vertex does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why 0.1 is strict.
+# If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If not, the vertex still does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why 0.1 is so strict.
 # </details>
 #
 # ## 11 · Good night, robot
 #
-# So far RE came from a table. Here's the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. It reuses a vertex if both REs are above 0.94 (`p_reuse`), and lets an edge stand in above 0.94 (`p_between`, section 8). `reuse_sequence=0` means that reuse asks for no sequence: your own rule patched that hole. Compare [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py) with yours. A map outlives a battery, so it's saved, too, in one `.npz` file. Then we cut the file short, and the last line says so.
+# So far RE has come from a table. Here's the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. It reuses a vertex if both REs are above 0.94 (`p_reuse`), and lets an edge stand in above 0.94 (`p_between`, section 8). `reuse_sequence=0` means that reuse asks for no sequence, the hole that your own rule patched. Compare [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py) with yours. A map outlives a battery, so it's saved, too, in one `.npz` file. Then we cut the file short, and the last printed line says so.
 
 # %% hidden=true
 # The library's map, with the network inside; saved, loaded, and damaged
@@ -1345,20 +1345,20 @@ view.goal(picture, flat.places[1])
 show(stacked([picture], ["Twelve drives, one map. Now what?"]))
 
 # %% [markdown]
-# <details><summary>May a map be loaded with another estimator?</summary>
-# Yes, if it takes the same images; the edges stay as the first one predicted them. But those are probabilities of the first one's controller. With another controller, build the map anew: what's reachable is a property of the robot as much as of the building.
+# <details><summary>Can a map be loaded with another estimator?</summary>
+# Yes, if it takes the same images; the edges stay as the first one predicted them. But those probabilities hold for the first one's controller. With another controller, build the map anew: what's reachable is a property of the robot as much as of the building.
 # </details>
 #
 # **Close it and draw the pipeline**, with your function names: from twelve drives to one map.
 #
 # After this notebook you can
 #
-# - turn the anchors of many drives into one graph without coordinates, whose most probable path is the shortest, and say why its edges are directed;
+# - turn the anchors of many drives into one graph without coordinates, in which the most probable path is the shortest, and say why its edges are directed;
 # - insert a drive: reuse what does an anchor's *job*, add what's new, join both;
-# - explain how one image deceives a map, and why a sequence hardly does;
+# - explain how one image deceives a map, and why a sequence hardly ever does;
 # - find the few pairs that are worth a query;
 # - say why a map stops growing, and when it may forget.
 #
-# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go back on the map? Remove every edge that a path of other edges replaces at 1 % less: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
+# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go backwards on the map? Remove every edge that a path of other edges replaces at a loss of 1 %: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
 #
-# Tonight the robot can't use any of it. There's a map, and there's a photo on the fridge, and it doesn't know how to get from one to the other. In notebook 06 it plans on this map, refuses, gets lost, and finds the lie. The paper's III-F and III-G are good reading until then.
+# Tonight the robot can't use any of it. There's a map, and there's a photo on the fridge, and the robot can't get from one to the other. In notebook 06 it plans on this map, refuses, gets lost, and finds the lie. The paper's III-F and III-G are good reading until then.

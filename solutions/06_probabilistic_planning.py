@@ -3,7 +3,7 @@
 #
 # **The photo on the fridge.** *Take me here*, it says, and tonight your robot is parked at D. Twelve drives made its map, and two paths on that map lead to the photo.
 #
-# Green goes through walls. You saw that at once; the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more, each nearly sure. *Will all the amber hops work?*
+# Green goes through walls. You saw that at once; the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more hops, each nearly sure. *Will all the amber hops work?*
 #
 # By the end your robot will plan, refuse, get lost, and find a lie in a map. Then it'll drive home, on your code.
 
@@ -208,7 +208,7 @@ hops = Prediction(
 display(hops)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 to 12 are for a second sitting, another 30. You need notebooks 04 and 05: a follower that drives along anchors, and a map whose edges carry RE, written $\mathcal{RE}$ in formulas. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Sections 9 to 12 are for a second sitting, another 30 minutes. You need notebooks 04 and 05: a follower that drives along anchors, and a map whose edges carry RE, written $\mathcal{RE}$ in formulas. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -216,7 +216,7 @@ display(hops)
 # A path's probability is a product. The logarithm makes it a sum, and the minus sign makes the most probable path the shortest.
 # </details>
 # <details><summary>Notebook 05: why is a wrong edge worse than a missing one?</summary>
-# Without an edge there's usually another path. A wrong edge is a short cut, so plans go through it.
+# Without the edge, there's usually another path. A wrong edge is a short cut, so plans go through it.
 # </details>
 # <details><summary>Notebook 04: the robot can't see its anchor any more. What does it do first?</summary>
 # It coasts to the last waypoint on odometry, and keeps looking. Only if nothing turns up in time does it say that it's lost.
@@ -224,7 +224,7 @@ display(hops)
 #
 # ## 1 · Every hop has to work
 #
-# A path leads from photo to photo to photo. Each hop is a job for the local controller, and RE predicts whether it gets there. If the hops don't depend on each other, the path's probability is their **product** (paper, III-F):
+# A path leads from photo to photo to photo. Each hop is a job for the local controller, and RE predicts whether it gets there. If hops are independent, the path's probability is the **product** of theirs (paper, III-F):
 #
 # $$ P(\text{path}) = \prod_i \mathcal{RE}(\hat o_i, \hat o_{i+1}) . $$
 #
@@ -264,20 +264,20 @@ display(pencil)
 # %% [markdown]
 # ### The shortest path in disguise
 #
-# A map has far too many paths to try. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start it settles one vertex after another, always the nearest seen so far.
+# A map has too many paths to try them all. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start it settles one vertex after another, always the nearest of those seen.
 #
-# A *heap* hands you the nearest first. A vertex may lie in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
+# A *heap* hands you the nearest first. A vertex may be in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
 #
 # <details><summary>What if the length were −RE, or 1 − RE?</summary>
-# With −RE every further hop makes a path <i>shorter</i>, and driving in circles for ever is best. 1 − RE is nearly right near 1, but it makes doubtful hops look better than they are: in the small graph above it picks the path through E.
+# With −RE, every extra hop makes a path <i>shorter</i>, and driving in circles for ever is best. 1 − RE is nearly right near 1, but it makes doubtful hops look better than they are: in the small graph above it picks the path through E.
 # </details>
 #
 # ### Exercise 1 · `most_probable_path` (medium, 15 minutes)
 #
-# The graph is a dictionary of dictionaries: `graph[v][w]` is RE from `v` to `w`. Every vertex has an entry, possibly an empty one. Of equally probable paths any will do.
+# The graph is a dictionary of dictionaries: `graph[v][w]` is RE from `v` to `w`. Every vertex has an entry, possibly an empty one. Of equally probable paths, any will do.
 #
-# <details><summary>Hint 1: concept</summary>Keep three things: the least length known to each vertex that was seen, its predecessor, and a heap of (length, vertex) still to be processed.</details>
-# <details><summary>Hint 2: approach</summary>heapq.heappop returns the nearest. If it is the goal, go back along the predecessors to the start, and reverse the list. Otherwise look at each of its edges: if the path over it is shorter than the least known (not equally long), store the length and the predecessor, and push it. When the heap is empty there is no path.</details>
+# <details><summary>Hint 1: concept</summary>Keep three things: the least length known for each vertex seen, its predecessor, and a heap of (length, vertex) still to be processed.</details>
+# <details><summary>Hint 2: approach</summary>heapq.heappop returns the nearest. If it is the goal, go back along the predecessors to the start, and reverse the list. Otherwise look at each of its edges: if the path via that edge is shorter than the least known (not equally long), store the length and the predecessor, and push it. When the heap is empty, there is no path.</details>
 # <details><summary>Hint 3: one line</summary>What is math.inf good for as the second argument of .get? Which of length and vertex must stand first in what you push, so that the heap returns the nearest? And how does a length become a probability again?</details>
 
 
@@ -318,7 +318,7 @@ most_probable_path = check_most_probable_path.use(most_probable_path)
 #
 # The task has a name: [[image-goal navigation]]. Your robot sees $o_\text{current}$, gets a photo $o_G$, and neither is on the map. So each plan adds its own edges (III-F): from here to the vertices that look reachable, and from vertices to the photo. Nobody asks first *where* the robot is; the plan is the answer.
 #
-# Dots mark each RE above one half: blue from D, green to the photo. One blue dot hides under the arrow, and two coincide at B. Which lie behind a wall?
+# Dots mark vertices with RE above one half: blue from D, green to the photo. One blue dot hides under the arrow, and two coincide at B. Which lie behind a wall?
 
 # %% hidden=true
 # What looks reachable from D, and what seems to lead to the photo
@@ -334,17 +334,17 @@ words = f"{far.sum()} of {len(near)} blue ones are far off: their photos"
 show(side_by_side([picture, seen], ["", words], gap=10))
 
 # %% [markdown]
-# A hop on the map was checked by a whole sequence of photos. The new hops rest on a **single view**, so they're any plan's weakest. A wrong hop seldom wins, since the right ones nearby have a higher RE. Where there's no right one, it wins.
+# A hop on the map was checked against a whole sequence of photos. The new hops rest on a **single view**, so they're any plan's weakest. A wrong hop seldom wins, since the right ones nearby have a higher RE. Without a right one, a wrong one wins.
 #
 # A goal may also come as *several* photos ("a kitchen like this one, or that one"); reaching one is enough.
 #
 # ### Exercise 2 · `join_ends` (easy, 10 minutes)
 #
-# `HERE` and `GOAL` stand for the two new vertices. There's an edge where RE is *greater* than the threshold. The edge from `HERE` straight to `GOAL` comes from `to_goals` and obeys `p_goal`. If several photos give a value for one vertex, the greatest counts.
+# `HERE` and `GOAL` stand for the two new vertices. There's an edge where RE is *greater* than the threshold. The edge from `HERE` straight to `GOAL` comes from `to_goals` and obeys `p_goal`. If several photos give values for one vertex, the greatest counts.
 #
 # <details><summary>Hint 1: concept</summary>A new graph, with everything that was in the old one, and two more vertices. The map itself is needed again for the next plan, and must not change.</details>
-# <details><summary>Hint 2: approach</summary>Copy both levels: dict(d) copies one dictionary; a comprehension over graph.items() copies each inner one. Add HERE and GOAL with an empty dictionary each. Then go through from_here, and through all of to_goals; leave out vertices that the graph does not have, except HERE in to_goals.</details>
-# <details><summary>Hint 3: one line</summary>if price &lt; cheapest.get(item, most): cheapest[item] = price keeps the lowest price of each item that is below most. You need the greatest, above a threshold.</details>
+# <details><summary>Hint 2: approach</summary>Copy both levels: dict(d) copies one dictionary; a comprehension over graph.items() copies each inner one. Add HERE and GOAL with an empty dictionary each. Then go through from_here, and through all of to_goals; leave out vertices that aren't in the graph, except HERE in to_goals.</details>
+# <details><summary>Hint 3: one line</summary>if price &lt; cheapest.get(item, most): cheapest[item] = price keeps each item's lowest price, if it is below most. You need the greatest, above a threshold.</details>
 
 
 # %% exercise="join_ends"
@@ -380,7 +380,7 @@ def join_ends(graph, from_here, to_goals, p_here, p_goal):
 join_ends = check_join_ends.use(join_ends)
 
 # %% [markdown]
-# Both functions together, on your flat's map. That's the amber path, and now it's yours.
+# Run both functions on your flat's map. That's the amber path, and now it's yours.
 
 # %% hidden=true
 # The most probable path from D to the photo, by your functions
@@ -394,7 +394,7 @@ show(stacked([picture], [f"{len(path) - 1} hops, probability {probability:.3f}"]
 #
 # Overnight, someone puts another photo on the fridge. It shows a room in an office across town. A graph search finds *some* path as soon as a single edge leads to the goal.
 #
-# Take twelve goals at home, and forty photos from the office. For each, we ask a few random photos of the map and keep the best RE.
+# Take twelve goals at home, and forty photos from the office. For each, we query RE from a few random photos of the map and keep the best.
 
 # %% hidden=true
 # The best of n vertices, for photos of this flat and of another building
@@ -467,16 +467,16 @@ display(swapped)
 # %% [markdown]
 # That's the **best of many**. RE may be right *on average over all pairs*; whoever picks the highest of many picks its mistakes, too. So an edge to the goal needs far more than one half: its threshold `p_goal` is 0.95.
 #
-# There's a second reason to stay: the path itself is too improbable. "This allows a robot to assess the risk before executing a plan, and ask for help if necessary" (IV-C.2).
+# There's a second reason to stay put: the path itself is too improbable. "This allows a robot to assess the risk before executing a plan, and ask for help if necessary" (IV-C.2).
 #
 # ### Exercise 3 · `decide` (medium, 10 minutes)
 #
 # In this order:
 #
-# 1. Plan with edges from `HERE` above `rules.p_query` and to `GOAL` above `rules.p_goal`. If there's a path with a probability of at least `rules.least`, start: the reason is the empty string `""`. If the path is less probable, it's `"too improbable"`.
+# 1. Plan with edges from `HERE` above `rules.p_query` and to `GOAL` above `rules.p_goal`. If there's a path with a probability of at least `rules.least`, start: the reason is the empty string `""`. If the path is less probable, the reason is `"too improbable"`.
 # 2. If there's none, plan again, with `rules.p_query` at both ends. If there's a path *now*, only the goal was doubtful: the reason is `"not on the map"`. Otherwise it's `"no path"`.
 #
-# A refusal returns the path and its probability all the same; the user may want to overrule it.
+# Even a refusal returns the path and its probability; the user may want to overrule it.
 #
 # <details><summary>Hint 1: concept</summary>Two plans at most, with the functions of exercises 1 and 2. Only the threshold at the goal differs.</details>
 # <details><summary>Hint 2: approach</summary>First join_ends, with the two thresholds of this plan; then most_probable_path from HERE to GOAL. An empty list is false in Python: if path: ...</details>
@@ -522,7 +522,7 @@ for name, answers in (("of the flat", decisions), ("of the office", foreign_deci
 table({"photos": "", **{reason or "starts": "d" for reason in REASONS}}, rows)
 
 # %% [markdown]
-# A photo that resembles nothing at home ends as *no path*. A robot that starts trusts a look-alike. Here's the most convincing one. Would you have refused?
+# A photo that resembles nothing at home ends as *no path*. A robot that sets off trusts a look-alike. Here's the most convincing one. Would you have refused?
 
 # %% hidden=true
 # The most convincing photo of the office
@@ -538,26 +538,26 @@ show(
 # %% [markdown]
 # ## 4 · Lost
 #
-# A plan is a belief. A door closes, or an edge was a mistake, and notebook 04's follower says *lost*. Three thresholds carry it all; these are worth knowing by heart:
+# A plan is a belief. A door closes, or an edge was a mistake, and notebook 04's follower says *lost*. Three thresholds matter most; they're worth knowing by heart:
 #
-# - **build** at 0.99: above that a hop becomes an edge of the map;
-# - **trust now** at 0.92: above that the follower believes in the next photo and drives to it;
-# - **give up** at 0.4: below that it lets go of the photo it's driving to, and coasts.
+# - **build** at 0.99: above that, a hop becomes an edge of the map;
+# - **trust now** at 0.92: above that, the follower trusts the next photo and drives to it;
+# - **give up** at 0.4: below that, it lets go of the photo it's driving to, and coasts.
 #
-# All others are defaults, in a table at the end.
+# All others have defaults, in a table at the end.
 #
-# Getting lost teaches something. The robot knows *which* vertex it couldn't reach, and it stands somewhere else now, with another view. So it **replans** from there (III-G). Ours also **excludes** the vertex that it missed, or it might make the same plan again.
+# Getting lost teaches something. The robot knows *which* vertex it couldn't reach, and it stands somewhere else now, with a new view. So it **replans** from there (III-G). Ours also **excludes** the vertex that it missed, or it might make the same plan again.
 #
 # <details><summary>Wouldn't it be better to exclude the edge?</summary>
-# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one by one, and fail at each. On the other hand a vertex may be hard to reach from one side and easy from another. The library goes between: it excludes the edge together with those beside it, and only for two minutes. In the paper nothing is excluded; the new view alone makes the new plan a different one.
+# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one by one, and fail at each. On the other hand, a vertex may be hard to reach from one side and easy from another. The library takes a middle course: it excludes the edge and those next to it, for only two minutes. In the paper, nothing is excluded; the new view alone makes the new plan differ.
 # </details>
 #
 # ### Exercise 4 · `travel` (medium, 8 minutes)
 #
-# `plan(excluded)` plans from where the robot is now, without a set of vertices. It returns a path from `HERE` to `GOAL`, or `[]` when it refuses. `drive(path)` drives, and returns `None` on arrival; otherwise the **place** (index) in the path of the vertex that it couldn't reach: 1 for the first after `HERE`. After the first plan there may be `replans` more. `GOAL` is never excluded: if the robot can't reach it from the last vertex, it just replans.
+# `plan(excluded)` plans from where the robot is now, avoiding a set of vertices. It returns a path from `HERE` to `GOAL`, or `[]` when it refuses. `drive(path)` drives, and returns `None` on arrival, otherwise the **place** (index along the path) of the vertex that wasn't reached: 1 for the first after `HERE`. After the first plan there may be `replans` more. `GOAL` is never excluded: if the robot can't reach it from the last vertex, it just replans.
 #
 # <details><summary>Hint 1: concept</summary>A loop of replans + 1 rounds: plan, give up if refused, drive, return on arrival, remember what could not be reached.</details>
-# <details><summary>Hint 2: approach</summary>The set lives outside of the loop, so that it grows. path[stopped] is the vertex; GOAL is not a vertex of the map, so there is nothing to exclude if it could not be reached from the last vertex.</details>
+# <details><summary>Hint 2: approach</summary>The set lives outside the loop, so that it grows. path[stopped] is the vertex; GOAL is not a vertex of the map, so there is nothing to exclude if it could not be reached from the last vertex.</details>
 # <details><summary>Hint 3: one line</summary>How many rounds are there with replans = 0? What do you return after the last round, and what must stay in the set when drive returns None?</details>
 
 
@@ -594,7 +594,7 @@ travel = check_travel.use(travel)
 # %% [markdown]
 # ### The navigator
 #
-# `travel` skips what a robot does *between* plans. It may face a wall, where no vertex looks reachable. Then it turns, and plans again once a second. And a real navigator can't call `drive` and wait: it's called ten times a second, and each time it decides what to do next. `without` gives the map without what's excluded.
+# `travel` skips what a robot does *between* plans. The robot may face a wall, where no vertex looks reachable. Then it turns, and plans again once a second. And a real navigator can't call `drive` and wait: it's called ten times a second, and each time it decides what to do next. `without` returns the map without the excluded vertices.
 
 
 # %%
@@ -619,17 +619,17 @@ def without(graph, excluded):
 #
 # Each round of your loop is one step: either one `turn` or one `follow`. A `look` takes no step.
 #
-# 1. **Without a path** the robot searches. In the first step of a search, and then every `limits.interval` steps, it looks and decides, on the map without what's excluded. What `decide` returns goes into a list of all plans.
+# 1. **Without a path** the robot searches. In the first step of a search, and then every `limits.interval` steps, it looks and decides, on the map without the excluded vertices. What `decide` returns goes into a list of all plans.
 #    - A path, and no reason against it? Follow it, in this very step.
-#    - A path and a *reason*? If the robot was never lost, that's the end: `"refused"`. Once it's been lost, it takes the path all the same: better an improbable path than none.
-#    - No path? Turn for this step. After `limits.search` steps of turning in this search it ends instead, with `"gave up"`. A look that's due in this step comes first.
-# 2. **With a path** it follows. `"arrived"` is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those joined to it by edges *both ways*, in the whole `graph`. `GOAL` is never excluded. It may be lost `limits.replans` times and search again from the next step on; when it's lost once more, it ends with `"gave up"`.
-# 3. After `limits.steps` steps the end is `"late"`.
+#    - A path and a *reason*? If the robot has never been lost, that's the end: `"refused"`. Once it's been lost, it takes the path all the same: better an improbable path than none.
+#    - No path? Turn for this step. After `limits.search` steps of turning in this search, the drive ends instead, with `"gave up"`. A look that's due in this step comes first.
+# 2. **With a path** the robot follows it. `"arrived"` ends the drive: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those joined to it by edges *both ways*, in the whole `graph`. `GOAL` is never excluded. The robot may get lost `limits.replans` times and search again from the next step on; when lost once more, the drive ends with `"gave up"`.
+# 3. After `limits.steps` steps it ends with `"late"`.
 #
 # The check compares what robots in all kinds of trouble do, call by call.
 #
-# <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often it was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
-# <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning continue with the next round. The vertex that was not reached stands on the path at robot.active; GOAL is not a key of graph. When the robot was lost, the next search begins with its counter at 0.</details>
+# <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often the robot was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
+# <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning, continue with the next round. The vertex that was not reached lies on the path at robot.active; GOAL is not a key of graph. After the robot was lost, the next search begins with its counter at 0.</details>
 # <details><summary>Hint 3: one line</summary>What are the variables before the first step, and which of them change when the robot is lost? A path that is refused: in which of the two cases do you return? Is "lost more than limits.replans times" a comparison with &gt; or with &gt;=, and before or after you count?</details>
 
 
@@ -679,7 +679,7 @@ navigate = check_navigate.use(navigate)
 # %% [markdown]
 # ### Eight seconds later
 #
-# The next evening your robot sets off for the fridge from A. After eight seconds somebody picks it up and puts it down far from its path. Its odometry doesn't notice: it's a [[kidnapped robot]]. Your `navigate` drives it.
+# The next evening your robot sets off from A, for the photo's place. After eight seconds, somebody picks it up and puts it down far from its path. Its odometry doesn't notice. It's a [[kidnapped robot]], and your `navigate` drives it.
 
 # %% hidden=true
 # One robot for `navigate`, carried away after eight seconds (about 6 s)
@@ -796,13 +796,13 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# That's all the "kidnapped robot problem" is to a robot without a position: one more plan. The vertices it excluded are innocent; it can't know whether a vertex is wrong or its own place is. That costs little while other vertices are left. And if the new plan is wrong, too, it'll be lost somewhere else: "the location where robot detects the discrepancy is likely distinct" (III-G).
+# That's all the "kidnapped robot problem" is to a robot without a position: one more plan. The vertices it excluded are innocent; it can't know whether a vertex was wrong or its own place. That costs little while other vertices are left. And if the new plan is wrong, too, the robot gets lost somewhere else: "the location where robot detects the discrepancy is likely distinct" (III-G).
 #
 # ## 5 · A field trip
 #
 # Your flat is kind: its rooms have different colours. So take the robot to a building with five places, 0 to 4, and a corridor all the way round. People drove there twenty times; the robot gets **twelve** of those drives. Some edges of its map are [[turn edge]]s, with a fixed probability of 0.95.
 #
-# Cut edges, each time the surest on the best path. Amber is the best path of all, green is the best one left, vermilion was cut. Watch where the path jumps to another side of the building.
+# Each cut removes the surest edge of the best path. Amber is the best path of all, green the best one left; vermilion edges were cut. Watch where the path jumps to another side of the building.
 
 # %% hidden=true
 # A corridor all round, and the best path with some edges cut (about 10 s)
@@ -858,11 +858,11 @@ sliders(
 )
 
 # %% [markdown]
-# Often the first cut costs little: beside the missing edge lies another one. That's the benefit of many drives. Cut more, and the best path that's left may be like green on the first screen: two hops, one of them through walls. Between some places one cut is enough for a refusal.
+# Often the first cut costs little: another edge lies next to the missing one. That's the benefit of many drives. Cut more, and the best path left may be like green on the first screen: two hops, one of them through walls. Between some places, one cut is enough for a refusal.
 #
 # ## 6 · Start, or refuse?
 #
-# Thirty-two robots stand anywhere in this building, many of them looking sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen of them are for you to study. Watch the vermilion ones: what do their plans have in common?
+# Thirty-two robots start anywhere in this building, many facing sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen are for you to study. Look at the vermilion ones: what do their plans have in common?
 
 # %% hidden=true
 # Thirty-two robots, one plan each (about 15 s)
@@ -968,9 +968,9 @@ rows = [side_by_side(panels[n : n + 2], titles[n : n + 2]) for n in range(0, len
 show(stacked(rows, gap=8))
 
 # %% [markdown]
-# Amber is the plan, blue the track, and the vermilion dot marks where it was lost. Two kinds of failure come up often. The **first hop** leads straight through walls, to a corridor that looks alike: no vertex is really ahead, so the planner takes the most optimistic one. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
+# Amber is the plan, blue the track, and the vermilion dot marks where the robot got lost. Two kinds of failure come up often. The **first hop** leads straight through walls, to a look-alike corridor: no vertex is really ahead, so the planner takes the one with the most optimistic RE. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
 #
-# **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$ a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far below that.
+# **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$, a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far less.
 
 # %%
 NAME = "my decide"  # in the league table
@@ -1033,12 +1033,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust only the very sure.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots above; other robots judge them.
+# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots above; other robots test them.
 # </details>
 #
 # ## 7 · A lie in the map
 #
-# A colleague has built a map of the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]**.
+# A colleague has built a map from the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]**.
 
 # %% hidden=true
 # The colleague's map, and the plans on it
@@ -1083,21 +1083,21 @@ curse = Prediction(
 display(curse)
 
 # %% [markdown]
-# This is the best of many again, now on the path: the **winner's curse**. A planner finds the mistakes of its map, since they promise most.
+# This is the best of many again, for paths: the **winner's curse**. A planner finds the mistakes of its map, since they promise most.
 #
 # ### The hunt
 #
-# The next map differs from ours by a **single** false edge, and that one looks very sure: 0.999. You don't know which it is. Six robots have driven by this map, without replanning. Find it from how their trips ended, as you'd have to with a real robot and no floor plan.
+# The next map differs from ours by a **single** false edge, and that one looks very sure: 0.999. You don't know which one. Six robots have driven on this map, without replanning. Find the edge from how their trips ended, as you'd have to with a real robot and no floor plan.
 #
-# For each trip you have its path, and the place of the vertex that couldn't be reached. What does a trip say about an edge? The edges before that place were **tried and passed**. The edge into it was **tried, and not passed**. About later edges the trip says nothing.
+# For each trip you have its path, and the place of the vertex that wasn't reached. What does a trip say about an edge? The edges before that place were **tried and passed**. The edge into it was **tried, and not passed**. The trip says nothing about later edges.
 #
 # ### Exercise 6 · `tally` (easy, 7 minutes)
 #
 # A trip may come to the same edge more than once: each time counts. Edges from `HERE` and to `GOAL` count like the others, and an edge has a direction.
 #
-# <details><summary>Hint 1: concept</summary>Edge i (from 1) of a path leads to place i. Compare i with the place where it stopped.</details>
-# <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>
-# <details><summary>Hint 3: one line</summary>In wins[team] = (games + 1, won + (goals &gt; 2)) a comparison counts as 1 or 0; and games, won = wins.get(team, (0, 0)) comes before.</details>
+# <details><summary>Hint 1: concept</summary>Edge i (from 1) of a path leads to place i. Compare i with the place where the trip stopped.</details>
+# <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival, all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>
+# <details><summary>Hint 3: one line</summary>In wins[team] = (games + 1, won + (goals &gt; 2)) a comparison counts as 1 or 0; and games, won = wins.get(team, (0, 0)) comes before it.</details>
 
 
 # %% exercise="tally"
@@ -1147,9 +1147,9 @@ rows = [[str(edge), *both] for edge, both in counts.items() if both[1] < both[0]
 table({"edge, not passed each time": "", "tried": "d", "passed": "d"}, rows)
 
 # %% [markdown]
-# **Which edge is it?** Write it down before you go on. It should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips come once in a million.
+# **Which edge is it?** Write it down before you go on. That edge should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips happen once in a million.
 #
-# Now remove it. The pictures show two old plans, the titles describe the new ones.
+# Now remove it. The pictures show two old plans; the titles describe the new ones.
 
 # %% hidden=true
 # The suspect: tried most often, and never passed
@@ -1178,17 +1178,17 @@ panels.append(stacked(views, ["from here", "to here"], gap=4))
 show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 
 # %% [markdown]
-# RE never said 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust what was driven only if it really was. On the left, amber's last hop is another lie: a single view promised 14 metres.
+# RE never predicted 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust what was driven only if it really was. On the left, amber's last hop is another lie: 14 metres, promised by a single view.
 #
 # Your `navigate` would replan around such an edge, and pay for it. So would the next robot, and the one after that: the edge is still on the map.
 #
 # <details><summary>Is it always that easy?</summary>
-# No. These robots saw nothing that looked like the end of the false edge, so they were lost on the edge itself. There's a nastier kind: a vertex that looks <i>just</i> like the place where the robot is. Then the follower counts the false edge as passed, at once, and is lost on the <i>next</i> one. The tally blames the wrong edge, and only many trips through it from elsewhere acquit it. But a real robot has further evidence: an edge of many metres that was "passed" within a second.
+# No. These robots saw nothing that looked like the end of the false edge, so they got lost on the edge itself. There's a nastier kind: an edge to a vertex that looks <i>just</i> like the robot's own place. Then the follower counts the false edge as passed at once, and gets lost on the <i>next</i> one. The tally blames the wrong edge, and only many trips over it from elsewhere acquit it. But a real robot has further evidence: an edge of many metres that was "passed" within a second.
 # </details>
 #
 # ## 8 · Your robot
 #
-# Everything that you wrote in notebooks 02 to 06 now drives one robot home, to the photo on the fridge. Each function below is **yours if its check passed**; it comes from the folder `my_answers`. Otherwise it's the library's.
+# What you wrote in notebooks 02 to 06 now drives one robot home, to the photo on the fridge. Each function below is **yours if its check passed**; it comes from the folder `my_answers`. Otherwise it's the library's.
 #
 # | part of the robot | functions | notebook |
 # |---|---|---|
@@ -1488,7 +1488,7 @@ play([cv2.resize(film[i], (882, 532)) for i in numbers], 2, robot.seconds, count
 #
 # ## 9 · What a plan's number is worth
 #
-# **Second sitting.** In the challenge, plans that had promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin. Robots start anywhere, and neither replan nor refuse; each bin holds equally many plans. The right panel shows them after a calibration like notebook 03's, fitted on other worlds.
+# **Second sitting.** In the challenge, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows them after a calibration like notebook 03's, fitted on other worlds.
 
 # %% hidden=true
 # The twin of Fig. 9, from a stored run
@@ -1511,11 +1511,11 @@ print("\n".join(fig9.notes))
 show(from_figure(figure))
 
 # %% [markdown]
-# The order is right, and the numbers are too high. Why? Here are four made-up worlds, in which we know the truth. Paths have 2 to 20 hops, and the true probability of a hop is anything from 0.9 to 1.
+# The order is right, but the numbers are too high. Why? Here are four made-up worlds, where we know the truth. Paths have 2 to 20 hops, and a hop's true probability is anything from 0.9 to 1.
 #
-# 1. **As assumed.** RE is true, and hops are independent.
-# 2. **Shared luck.** RE is true for each hop, but a robot that drives one hop well drives all of them well.
-# 3. **Replanning.** As 1, but a failed hop gets a second try, which repairs nearly half of the failures.
+# 1. **As assumed.** RE is exact, and hops are independent.
+# 2. **Shared luck.** RE is exact for each hop, but a robot that drives one hop well drives all of them well.
+# 3. **Replanning.** As in 1, but a failed hop gets a second try, which succeeds nearly half the time.
 # 4. **The best of many.** RE is right on average but noisy, and the planner takes the best of thirty paths.
 
 # %% hidden=true
@@ -1584,15 +1584,15 @@ luck = Prediction(
 display(luck)
 
 # %% [markdown]
-# Shared luck and a second chance make the product too low; choosing the best makes it too high. In Fig. 9, choosing outweighs both. Many robots start looking sideways, no vertex is really ahead, and one false first hop undoes nine good ones after it.
+# Shared luck and a second chance make the product too low; choosing the best makes it too high. In Fig. 9, choosing outweighs both. Many robots face sideways at first, no vertex is really ahead, and one false first hop undoes nine good ones after it.
 #
-# There's another reason, which no made-up world shows. RE of an edge is asked at the *anchor's photo*, but the robot arrives next to it, a little turned. So what remains is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
+# There's another reason, which no made-up world shows. RE of an edge is computed from the *anchor's photo*, but the robot arrives next to the anchor, a little turned. So what remains is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
 #
 # ## 10 · What a table of successes hides
 #
-# The paper's Table II has ten places, and a drive for each ordered pair of them. Its rival is **SPTM** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): every 20th image is kept, similar ones are joined, and all edges count the same. In our easier worlds [both arrive nearly always](../tutorial_lib/results/README.md#table-ii-navigation); in the paper SPTM loses half.
+# The paper's Table II has ten places, and a drive for each ordered pair of them. The rival there is **SPTM** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): every 20th image is kept, similar ones are joined, and all edges count the same. In our easier worlds [both arrive nearly always](../tutorial_lib/results/README.md#table-ii-navigation); in the paper, SPTM fails half the time.
 #
-# A map should *compose*: come along one drive, and leave along another. Call a trial **driven** if some known drive passes its start and then its goal. A *tour* goes from each place to the next, and back. Watch the last column.
+# A map should *compose* drives: arrive along one, and leave along another. Call a trial **driven** if some known drive passes its start and then its goal. A *tour* goes from each place to the next, and back. Watch the last column.
 
 # %% hidden=true
 # Which trials are driven, by what was learned
@@ -1607,15 +1607,15 @@ head = {"learned": "", "drives": "d", "driven": ".0%", "to be composed": ".0%"}
 table(head, rows, caption=f"{len(many_trials)} trials between five places")
 
 # %% [markdown]
-# With all drives there's nothing to compose, so the table can't tell a system that composes from one that repeats. With few drives most trials must be composed, and only there do maps show their worth. The page of results has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
+# With all drives there's nothing to compose, so the paper's table can't tell a system that composes from one that repeats. With few drives, most trials must be composed, and only there do maps show their worth. The page of results has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
 #
 # <details><summary>Why is SPTM so much stronger here than in the paper?</summary>
-# Different places seldom look alike to the last stripe in our worlds, and its threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM loses more. But in the open RE is seldom sure, and our maps get large.
+# In our worlds, different places seldom look alike to the last stripe, and SPTM's threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM fails more often. But in open space RE is seldom sure, and our maps get large.
 # </details>
 #
 # ## 11 · Bring your own planner
 #
-# A planner is a class with a method `plan`. Put yours into a file, and compare it with the others:
+# A planner is a class with a method `plan`. Put yours in a file, and compare it with the others:
 #
 # ```sh
 # .venv/bin/python -m tutorial_lib experiment meng_table2 --quick --agent my_planner.py:Hasty
@@ -1661,11 +1661,11 @@ head = {"planner": "", "hops": ".1f", "probability": ".3f", "metres": ".1f"}
 table(head, rows, caption="averages over the trials in which it starts")
 
 # %% [markdown]
-# The paths get shorter and less sure. Some of them save many hops by one long first hop that a single view promised. A planner that pays for hops loves wormholes.
+# The paths get shorter and less sure. Some save many hops with one long first hop that a single view promised. A planner that pays for hops loves wormholes.
 #
 # ## 12 · The other thresholds
 #
-# Here are the three from section 4 once more, and the defaults of the others.
+# Here are section 4's three again, and the defaults of the others.
 
 # %% hidden=true
 # Thresholds on probabilities that have a default
@@ -1689,28 +1689,28 @@ table({"name": "", "default": "g", "meaning": ""}, rows)
 #
 # 1. What does the follower do between *give up* and *lost*?
 # 2. Why are a map's edges directed?
-# 3. RE says 0.9 for a hundred pairs, and sixty robots arrive. What's that called?
+# 3. RE predicts 0.9 for a hundred pairs, and sixty robots arrive. What's that called?
 # 4. What's the length of an edge with RE 1?
 # 5. Twenty hops at 0.99: better or worse than two at 0.9?
 # 6. Why is `p_goal` higher than `p_query`?
 # 7. When does a navigator take a path that `decide` refuses?
 # 8. An edge was tried three times and passed twice. Which trips say nothing about it?
-# 9. Arrived +1, lost −1: from which true probability on would you start?
+# 9. Arrived +1, lost −1: above which true probability would you start?
 # 10. Why do plans promise too much, though RE is right on average?
 #
 # <details><summary>Answers</summary>
-# 1. It coasts on odometry and keeps looking. 2. Ahead the robot sees its target; behind, it doesn't. 3. Overconfident: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. It's the best of many; some photo looks a bit like anything. 7. Once it's been lost: better an improbable path than none. 8. Those that were lost before they came to it, and those that never planned through it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.
+# 1. It coasts on odometry and keeps looking. 2. The robot sees a target ahead, not one behind. 3. Overconfidence: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. RE to the goal is the best of many; some photo always looks right. 7. Once it's been lost: better an improbable path than none. 8. Those that got lost before they came to it, and those that never planned through it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.
 # </details>
 #
 # After this notebook you can
 #
-# - find the most probable path over a map, and say why it's a *shortest* path in disguise;
+# - find the most probable path on a map, and say why it's a *shortest* path in disguise;
 # - connect what the robot sees, and one or several photos, to the map;
-# - decide when a robot shouldn't start at all, and say why;
-# - make a lost robot replan around what it couldn't reach, and write the whole loop of a navigator;
-# - find a false edge in a map from how trips end;
+# - decide when a robot shouldn't start, and say why;
+# - make a lost robot replan around what it couldn't reach, and write a navigator's whole loop;
+# - find a map's false edge from how trips ended;
 # - say what a plan's probability is worth, and what a table of successes hides.
 #
-# **Extras, if you like.** Write a planner that takes metres into account; each vertex has the odometer's pose, `topomap.vertices.observations[np.array(path)].odometry`, and along a drive the differences are lengths. Put one of the colleague's wormholes into our map and send robots through it: what does the tally say? Let `join_ends` accept only *sequences* at the goal: what happens to the office's photos, and to ours?
+# **Extras, if you like.** Write a planner that takes metres into account; each vertex has the odometer's pose, `topomap.vertices.observations[np.array(path)].odometry`, and along a drive, differences give lengths. Put one of the colleague's wormholes into our map and send robots through it: what does the tally say? Let `join_ends` accept only *sequences* at the goal: what happens to the office's photos, and to ours?
 #
-# Tonight your robot is home. Tomorrow it goes to the office next door, where the rooms are twins: two doors, two desks, one photo. It'll plan, trust, and drive to the wrong one. In notebook 07 it learns to doubt *where it is*. Good reading until then: the paper, III-F, III-G and IV-C; R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (2022), on edges that learn from each drive; and J. E. Smith and R. L. Winkler, [*The Optimizer's Curse*](https://doi.org/10.1287/mnsc.1050.0451) (2006).
+# Tonight your robot is home. Tomorrow it goes to the office next door, where the rooms are twins: two doors, two desks, one photo. It'll plan, trust, and drive to the wrong room. In notebook 07 it learns to doubt *where it is*. Good reading until then: the paper, III-F, III-G and IV-C; R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (2022), on edges that learn from each drive; and J. E. Smith and R. L. Winkler, [*The Optimizer's Curse*](https://doi.org/10.1287/mnsc.1050.0451) (2006).
