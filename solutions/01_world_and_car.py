@@ -96,7 +96,7 @@ turn = Prediction(
 display(turn)
 
 # %% [markdown]
-# **90 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You needn't read folded cells. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
+# **90 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You can skip folded code. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
 #
 # **Three old questions first.**
 #

@@ -158,7 +158,7 @@ steer = Prediction(
 display(steer)
 
 # %% [markdown]
-# **120 minutes.** There are two sittings: 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You needn't read folded cells. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** There are two sittings: 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #

@@ -207,7 +207,7 @@ bet = Prediction(
 display(bet)
 
 # %% [markdown]
-# **120 minutes.** Take a break after section 4. Sections 7 to 9 fill a second sitting, another 40 minutes. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Take a break after section 4. Sections 7 to 9 fill a second sitting, another 40 minutes. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -1426,7 +1426,7 @@ axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 show(from_figure(figure))
 
 # %% [markdown]
-# More context makes RE more accurate, and no RE beats geometry; the [page of results](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, including those for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, though the second place is behind the car. Calibration could fix their values, but not their ranking.
+# More context makes RE more accurate, and no RE beats geometry; the [results page](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, including those for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, though the second place is behind the car. Calibration could fix their values, but not their ranking.
 #
 # *Precision*, the share of accepted pairs that arrive, depends on the estimator *and* on the kind of pairs. From one kept image to the next it's nearly 1; among all pairs of a building it's lower.
 #
@@ -1451,7 +1451,7 @@ show(from_figure(figure))
 # 1. Perhaps not: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays put, since the ranking does. 8. It's calibrated, and useless: it can't tell targets apart. 9. No: what's reachable depends on the controller. 10. It asks about a million pairs, nearly all unreachable, so one mistake in 1,000 makes a thousand wormholes.
 # </details>
 #
-# **Close it and draw the pipeline**, with your function names: from rollouts to a probability that you'd bet on.
+# **Close the notebook and draw the pipeline**, with your function names: from rollouts to a probability that you'd bet on.
 #
 # After this notebook you can
 #

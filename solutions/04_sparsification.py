@@ -142,7 +142,7 @@ six = Prediction(
 display(six)
 
 # %% [markdown]
-# **120 minutes.** Sections 8 to 10 fill a second sitting, another 30 minutes. You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place an image shows, and the [[reachability estimator]] $\mathcal{RE}$, which predicts how likely it is to arrive. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; the [page of results](../tutorial_lib/results/README.md) says where we differ.
+# **120 minutes.** Sections 8 to 10 fill a second sitting, another 30 minutes. You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place an image shows, and the [[reachability estimator]] $\mathcal{RE}$, which predicts how likely it is to arrive. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; the [results page](../tutorial_lib/results/README.md) says where we differ.
 #
 # **Three old questions first.**
 #
@@ -908,7 +908,7 @@ show(stacked([*ribbons, state_legend(900)], [*NAMES, ""], gap=2))
 # %% [markdown]
 # The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S-curve. Behind a *person* the robot coasts, and goes on once it sees enough. If the person stayed longer than the timeout, the robot would give up, though it's on the right path. In notebook 06 a planner tries again. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
 #
-# Five robots are anecdotes. The [page of results](../tutorial_lib/results/README.md#disturbances) covers more, in twenty buildings that no network has seen.
+# Five robots are anecdotes. The [results page](../tutorial_lib/results/README.md#disturbances) covers more, in twenty buildings that no network has seen.
 #
 # Wheels slip, too. Here speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$, ten times a second.
 
@@ -1015,7 +1015,7 @@ print(f"{len(fig7.worlds)} unseen worlds, {clean[0]['trajectories']} trajectorie
 show(cover_chart(clean, "sparsity", 8.0))
 
 # %% [markdown]
-# Where few images are kept, the dashed curves fall earlier and more steeply. At ten percent any choice works. A threshold means the same for every controller; an $n$ doesn't. The [page of results](../tutorial_lib/results/README.md#fig-7-cover-rate-and-sparsity) has the numbers, including the paper's and those with noise.
+# Where few images are kept, the dashed curves fall earlier and more steeply. At ten percent any choice works. A threshold means the same for every controller; an $n$ doesn't. The [results page](../tutorial_lib/results/README.md#fig-7-cover-rate-and-sparsity) has the numbers, including the paper's and those with noise.
 #
 # <details><summary>Is taking every n-th image really blind?</summary>
 # Not quite: the <i>distance</i> isn't fixed. A car drives slowly where driving is hard, and so records more images there. What the rule can't do is adapt to the <i>controller</i>.
@@ -1340,7 +1340,7 @@ rows = [
 table({"rules.": "", "value": "g", "of what": ""}, rows)
 
 # %% [markdown]
-# **Close it and draw the pipeline**, with your function names: from one drive to a robot that stands in the bathroom.
+# **Close the notebook and draw the pipeline**, with your function names: from one drive to a robot that stands in the bathroom.
 #
 # After this notebook you can
 #

@@ -194,7 +194,7 @@ trip = Prediction(
 display(trip)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 and 10 are for a second sitting. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Sections 9 and 10 are for a second sitting. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -1157,7 +1157,7 @@ table(head, sorted(rows))
 # %% [markdown]
 # ## 8 · When a map is full
 #
-# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, over tens of thousands of images; this is the twin of the paper's Fig. 13. The [page of results](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
+# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, over tens of thousands of images; this is the twin of the paper's Fig. 13. The [results page](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
 
 # %% hidden=true
 # Vertices against images, from a stored run
@@ -1349,7 +1349,7 @@ show(stacked([picture], ["Twelve drives, one map. Now what?"]))
 # Yes, if it takes the same images; the edges stay as the first one predicted them. But those probabilities hold for the first one's controller. With another controller, build the map anew: what's reachable is a property of the robot as much as of the building.
 # </details>
 #
-# **Close it and draw the pipeline**, with your function names: from twelve drives to one map.
+# **Close the notebook and draw the pipeline**, with your function names: from twelve drives to one map.
 #
 # After this notebook you can
 #

@@ -1484,7 +1484,7 @@ play([cv2.resize(film[i], (882, 532)) for i in numbers], 2, robot.seconds, count
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table says "the library", there's still something to write.
 #
-# **Close it and draw the pipeline**, from twelve drives to the fridge, with your function names. Then call it a day.
+# **Close the notebook and draw the pipeline**, from twelve drives to the fridge, with your function names. Then call it a day.
 #
 # ## 9 · What a plan's number is worth
 #
@@ -1607,7 +1607,7 @@ head = {"learned": "", "drives": "d", "driven": ".0%", "to be composed": ".0%"}
 table(head, rows, caption=f"{len(many_trials)} trials between five places")
 
 # %% [markdown]
-# With all drives there's nothing to compose, so the paper's table can't tell a system that composes from one that repeats. With few drives, most trials must be composed, and only there do maps show their worth. The page of results has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
+# With all drives there's nothing to compose, so the paper's table can't tell a system that composes from one that repeats. With few drives, most trials must be composed, and only there do maps show their worth. The results page has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
 #
 # <details><summary>Why is SPTM so much stronger here than in the paper?</summary>
 # In our worlds, different places seldom look alike to the last stripe, and SPTM's threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM fails more often. But in open space RE is seldom sure, and our maps get large.

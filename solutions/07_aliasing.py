@@ -978,7 +978,7 @@ remedy = Prediction(
 display(remedy)
 
 # %% [markdown]
-# Read the chart in pairs: what a remedy adds *alone*, and what's lost *without* it. Remedies may stand in for each other, or need each other. Left out, replanning is missed most, then the filter, then sequences. The [page of results](../tutorial_lib/results/README.md#fig-12-starts-that-look-alike) has the table; the paper shows one example.
+# Read the chart in pairs: what a remedy adds *alone*, and what's lost *without* it. Remedies may stand in for each other, or need each other. Left out, replanning is missed most, then the filter, then sequences. The [results page](../tutorial_lib/results/README.md#fig-12-starts-that-look-alike) has the table; the paper shows one example.
 #
 # <details><summary>Alone, three of them do nothing. Why are two of those missed when they're left out?</summary>
 # They need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and more of the first plans begin in the right room, even if no second plan is allowed.

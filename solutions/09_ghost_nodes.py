@@ -150,7 +150,7 @@ ways = Prediction(
 display(ways)
 
 # %% [markdown]
-# **110 minutes.** Sections 9 and 10 are for a second sitting: another 20. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
+# **110 minutes.** Sections 9 and 10 are for a second sitting: another 20. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
 #
 # **Three old questions first.**
 #
@@ -488,7 +488,7 @@ display(gone)
 #
 # <details><summary>Hint 1: concept</summary>Begin with a copy of the ghosts, add, then take away: for every node beside the new one, two ghosts may have to go, one at each end.</details>
 # <details><summary>Hint 2: approach</summary>For each node in beside, with its pose: the new node sees it at pose, and it sees the new node at inverse(pose). In both cases the first two numbers are a place, whose bearing is rounded to a bin. A set's discard method does nothing if the ghost isn't there.</details>
-# <details><summary>Hint 3: one line</summary>Bins from a bearing b in radians: round(b * 6 / np.pi) goes from -6 to 6; what turns -1 into 11 and 12 into 0?</details>
+# <details><summary>Hint 3: one line</summary>Bins from a bearing b in radians: round(b * 6 / np.pi) goes from -6 to 6; what turns -1 into 11?</details>
 
 
 # %% exercise="add_ghosts"
@@ -864,7 +864,7 @@ view.goal(picture, hard.goals[number, :2])
 show(stacked([picture], ["Your loop's graph; the arrow is the start"]))
 
 # %% [markdown]
-# Eight episodes aren't many: in another building, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the page of results covers twenty buildings, next to the paper's numbers. There, frontier exploration with a learned choice beats the ghosts: our buildings are flat, and 360° depth makes a metric map easy. In the paper's scanned homes, the ghosts win. An advantage that depends on the world is no law.
+# Eight episodes aren't many: in another building, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the results page covers twenty buildings, next to the paper's numbers. There, frontier exploration with a learned choice beats the ghosts: our buildings are flat, and 360° depth makes a metric map easy. In the paper's scanned homes, the ghosts win. An advantage that depends on the world is no law.
 #
 # ## 7 · What does the score know?
 #
@@ -940,7 +940,7 @@ display(blind)
 # So in a plain building, far from the goal, the score is mere habit: it knows which direction leads *out*. With accents, it compares hues, and knows which direction leads closer. Thin lines are 95 % intervals.
 #
 # <details><summary>How large are the differences, in points?</summary>
-# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are in another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">page of results</a> has the rest.
+# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are in another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">results page</a> has the rest.
 # </details>
 # <details><summary>Would better eyes help?</summary>
 # Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions, next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard ones, the model that knows the goal finds the best direction in 70 % of all decisions, and in 51 % in plain buildings. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
@@ -980,7 +980,7 @@ axes[0].legend(loc="lower left", fontsize=11)
 show(from_figure(figure))
 
 # %% [markdown]
-# In plain buildings, the graph pays off more after the first goal, as in the paper: by then it knows something. Where accents lead the way, the best score in sight is enough. The gap to *no score* grows here, but shrinks in the paper; we haven't tested why. The [page of results](../tutorial_lib/results/README.md#fig-8-goals-one-after-another) has the numbers, and the paper's [other figures](../tutorial_lib/results/README.md#figs-3-4-9-and-10-examples).
+# In plain buildings, the graph pays off more after the first goal, as in the paper: by then it knows something. Where accents lead the way, the best score in sight is enough. The gap to *no score* grows here, but shrinks in the paper; we haven't tested why. The [results page](../tutorial_lib/results/README.md#fig-8-goals-one-after-another) has the numbers, and the paper's [other figures](../tutorial_lib/results/README.md#figs-3-4-9-and-10-examples).
 #
 # ## 8 · Your own score
 #
@@ -1115,7 +1115,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good scores, quite different; enter yours first</summary>
-# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the cost of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: turning round costs up to 18 actions, and a robot that follows every small difference between two scores goes to and fro. Both lead by a few points on forty goals. In other buildings the order may change: on the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">page of results</a>, counting the metres makes no measurable difference.
+# <i>Count the metres, and let the reserve compete.</i> <code>given.score - 0.5 * given.metres / 20 - 0.05 * given.spare</code>: the cost of the path decides where scores are nearly equal, and doors that F_G has overlooked count from the beginning. <i>Finish what you've begun.</i> <code>given.score - 0.05 * given.turn - given.spare</code>: turning round costs up to 18 actions, and a robot that follows every small difference between two scores goes to and fro. Both lead by a few points on forty goals. In other buildings the order may change: on the <a href="../tutorial_lib/results/README.md#rules-of-the-paper">results page</a>, counting the metres makes no measurable difference.
 # </details>
 #
 # ## 9 · How it ends
@@ -1225,7 +1225,7 @@ together = Prediction(
 display(together)
 
 # %% [markdown]
-# For goals elsewhere, the planner refuses, and both together do as well as the explorer alone; the [page of results](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch your robot in your friend's flat.
+# For goals elsewhere, the planner refuses, and both together do as well as the explorer alone; the [results page](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch your robot in your friend's flat.
 
 # %% hidden=true
 # A first visit with six goals; then passed ones, and one that was not (about 5 s)
@@ -1275,7 +1275,7 @@ show(stacked(rows))
 # - find out whether a score knows anything: train one blind, and compare.
 #
 # <details><summary>What's ours</summary>
-# Ghosts, the four functions and the global policy are the paper's. But a paper leaves gaps, and we've changed some of its rules; the <a href="../tutorial_lib/results/README.md#what-is-ours-in-nts">page of results</a> has the whole list with its numbers.
+# Ghosts, the four functions and the global policy are the paper's. But a paper leaves gaps, and we've changed some of its rules; the <a href="../tutorial_lib/results/README.md#what-is-ours-in-nts">results page</a> has the whole list with its numbers.
 # <ul>
 # <li><b>Am I here?</b> The robot asks F_L about its own node first, then about at most four nearby. The paper asks about every node. In validation buildings it made no difference.</li>
 # <li><b>Edges to a known node</b> get their pose from F_R; the paper takes odometry. No difference either.</li>

@@ -135,7 +135,7 @@ memory = Prediction(
 display(memory)
 
 # %% [markdown]
-# **75 minutes.** Section 6 is for a second sitting. You need notebooks 01 and 09: frames and ghosts. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Folded cells only draw. We leave our three papers here, though the robot still comes from D. S. Chaplot et al., [*Neural Topological SLAM*](https://arxiv.org/abs/2005.12256), CVPR 2020. Matching scans is an older art: E. Olson, [*Real-Time Correlative Scan Matching*](https://doi.org/10.1109/ROBOT.2009.5152375), ICRA 2009.
+# **75 minutes.** Section 6 is for a second sitting. You need notebooks 01 and 09: frames and ghosts. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We leave our three papers here, though the robot still comes from D. S. Chaplot et al., [*Neural Topological SLAM*](https://arxiv.org/abs/2005.12256), CVPR 2020. Matching scans is an older art: E. Olson, [*Real-Time Correlative Scan Matching*](https://doi.org/10.1109/ROBOT.2009.5152375), ICRA 2009.
 #
 # **Three old questions first.**
 #
@@ -477,7 +477,7 @@ table(head, rows)
 # Write the three tests. The lines are yours to draw, as long as good matches pass and bad ones don't. When in doubt, refuse: there'll be another match soon. A bad match, once believed, puts the robot where it isn't.
 #
 # <details><summary>Hint 1: concept</summary>Three conditions, all of which must hold. The second compares two fits, and in a corridor only one direction slides.</details>
-# <details><summary>Hint 2: approach</summary>fit takes poses (P, 3); pose[None] is an array of one. For the second test, make poses 0.5 m from pose in 8 directions, and take the best fit. For the third, relative(guess, pose) is the gap; wrap brings a difference of headings into -180 to 180 degrees.</details>
+# <details><summary>Hint 2: approach</summary>fit takes poses (P, 3); pose[None] is an array of one. For the second test, make poses 0.5 m from pose in 8 directions, and take the best fit. For the third, relative(guess, pose) is the gap; wrap brings a difference of headings into -π to π.</details>
 # <details><summary>Hint 3: one line</summary>np.stack([np.cos(t), np.sin(t), 0 * t], axis=1) has a row for each direction in t; how far do you go?</details>
 
 
@@ -745,7 +745,7 @@ few = [RACE[agent, "8-10"]["missed_goals"] for agent in SHOWN]
 table(head, rows, best, f"of 90 goals each; never passed: of {min(few)} to {max(few)}")
 
 # %% [markdown]
-# Ours, the combined robot, doesn't win. A robot that keeps panoramas, matches walls, and lets a network pick the next frontier, where the known floor ends, is at least as good in every column. The [page of results](../tutorial_lib/results/README.md#a-life-of-ten-visits) has intervals, ablations, and lives in which somebody carries the robot elsewhere.
+# Ours, the combined robot, doesn't win. A robot that keeps panoramas, matches walls, and lets a network pick the next frontier, where the known floor ends, is at least as good in every column. The [results page](../tutorial_lib/results/README.md#a-life-of-ten-visits) has intervals, ablations, and lives in which somebody carries the robot elsewhere.
 #
 # ## 6 · Your own robot
 #

@@ -35,7 +35,7 @@ COMMANDS = {
     "experiment": "reproduce a table or figure; experiment --help lists them",
     "leaderboard": "put a class of your own beside the library's; prints templates, merges boards",
     "bench": "measure the speed of a part; bench --help lists them",
-    "results": "write the page of results from its JSON files; --stale: which no longer fit",
+    "results": "write the results page from its JSON files; --stale: which no longer fit",
     "reproduce": "measure stored results again, those that no longer fit or all",
 }
 """What each command does; all but "lab" are modules of `tutorial_lib.commands`."""

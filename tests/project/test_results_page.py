@@ -1,4 +1,4 @@
-"""The page of results and the README's blocks are what the command makes."""
+"""The results page and the README's blocks are what the command makes."""
 
 import re
 from pathlib import Path
@@ -167,4 +167,4 @@ def test_a_readme_has_all_blocks(tmp_path):
 def test_the_help_lists_the_command(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
-    assert "write the page of results" in capsys.readouterr().out
+    assert "write the results page" in capsys.readouterr().out

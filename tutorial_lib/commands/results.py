@@ -1,4 +1,4 @@
-"""Writes the page of results from its JSON files, or says which of them no longer fit."""
+"""Writes the results page from its JSON files, or says which of them no longer fit."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The page of results, made from the stored reports: `tutorial_lib/results/README.md`."""
+"""The results page, made from the stored reports: `tutorial_lib/results/README.md`."""

@@ -1,4 +1,4 @@
-"""The whole page of results, and the block of the project's README."""
+"""The whole results page, and the block of the project's README."""
 
 from __future__ import annotations
 
