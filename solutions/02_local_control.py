@@ -158,7 +158,7 @@ steer = Prediction(
 display(steer)
 
 # %% [markdown]
-# **120 minutes.** There are two sittings: 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Two sittings: 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -1151,7 +1151,7 @@ caption = f"Targets reached, of {len(fits)}"
 table({"body": "", "by camera": "d", "by the oracle": "d"}, rows, caption=caption)
 
 # %% [markdown]
-# <details><summary>Why isn't the round robot better, though it can turn in place?</summary>
+# <details><summary>Why isn't the round robot better, when it can turn in place?</summary>
 # With the oracle, either body reaches every target, so the body isn't the cause. The misses are due to waypoints, and turning in place doesn't mend a wrong waypoint. The network was trained on starts next to drives of a <i>car</i>. A robot that turns in place soon faces directions that no training image shows.
 # </details>
 #
@@ -1295,7 +1295,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 #
 # ## 11 · Beside the paper
 #
-# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and even light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the oracle shows what body and time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
+# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and even light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the oracle shows what the body and time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
 # Success rates beside the paper's, with 95 % intervals

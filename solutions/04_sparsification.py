@@ -282,7 +282,7 @@ sliders(
 )
 
 # %% [markdown]
-# For a metre or two RE is nearly sure. Then it wavers around the line, which is why *all* must lie above. Then it sinks: the anchor's image doesn't show what lies there. So the drive needs few of its images.
+# For a metre or two RE is nearly sure. It then wavers around the line, so *all* values must lie above it. Then it sinks: the anchor's image doesn't show what lies there. So the drive needs few of its images.
 #
 # Your robot **builds at 0.99**. That's the first of three thresholds worth knowing by heart.
 #
@@ -1005,7 +1005,7 @@ else:
 #
 # ## 7 · How few will do?
 #
-# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres followed before the robot strays, touches something or gives up, over all metres. The paper's rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's our twin of the paper's Fig. 7. Solid lines, *meng*: RE chooses. Dashed, *sptm*: every n-th image. Watch the left ends.
+# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres followed before the robot strays, touches something or gives up, over the total. The paper's rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's our twin of the paper's Fig. 7. Solid lines, *meng*: RE chooses. Dashed, *sptm*: every n-th image. Watch the left ends.
 
 # %% hidden=true
 # Cover rate against sparsity, from a stored run

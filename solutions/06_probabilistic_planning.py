@@ -269,7 +269,7 @@ display(pencil)
 # A *heap* hands you the nearest first. A vertex may be in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
 #
 # <details><summary>What if the length were −RE, or 1 − RE?</summary>
-# With −RE, every extra hop makes a path <i>shorter</i>, and driving in circles for ever is best. 1 − RE is nearly right near 1, but it makes doubtful hops look better than they are: in the small graph above it picks the path through E.
+# With −RE, every extra hop makes a path <i>shorter</i>, and driving in circles for ever is best. 1 − RE is nearly right for RE near 1, but makes doubtful hops look better than they are: in the graph above it picks the path through E.
 # </details>
 #
 # ### Exercise 1 · `most_probable_path` (medium, 15 minutes)
@@ -394,7 +394,7 @@ show(stacked([picture], [f"{len(path) - 1} hops, probability {probability:.3f}"]
 #
 # Overnight, someone puts another photo on the fridge. It shows a room in an office across town. A graph search finds *some* path as soon as a single edge leads to the goal.
 #
-# Take twelve goals at home, and forty photos from the office. For each, we query RE from a few random photos of the map and keep the best.
+# Take twelve goals at home, and forty photos from the office. For each, we query RE from a few random photos in the map and keep the best.
 
 # %% hidden=true
 # The best of n vertices, for photos of this flat and of another building
@@ -1696,7 +1696,7 @@ table({"name": "", "default": "g", "meaning": ""}, rows)
 # 7. When does a navigator take a path that `decide` refuses?
 # 8. An edge was tried three times and passed twice. Which trips say nothing about it?
 # 9. Arrived +1, lost −1: above which true probability would you start?
-# 10. Why do plans promise too much, though RE is right on average?
+# 10. Why do plans promise too much when RE is right on average?
 #
 # <details><summary>Answers</summary>
 # 1. It coasts on odometry and keeps looking. 2. The robot sees a target ahead, not one behind. 3. Overconfidence: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. RE to the goal is the best of many; some photo always looks right. 7. Once it's been lost: better an improbable path than none. 8. Those that got lost before they came to it, and those that never planned through it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.

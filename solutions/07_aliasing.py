@@ -919,7 +919,7 @@ film_of(today, map_poses, again, at_goal, 8)
 #
 # ## 9 · Which remedy was it?
 #
-# A handful of trips can't tell. Here are 500 in ten offices, run by `python -m tutorial_lib experiment meng_fig12`.
+# A handful of trips won't tell. Here are 500 in ten offices, run by `python -m tutorial_lib experiment meng_fig12`.
 #
 # - `sequence`: sequences confirm edges, reused vertices, and the robot's own vertex; a [[turn edge]], which no sequence confirms, is a last resort;
 # - `replan`: a lost robot plans again, and so does one that has coasted for too long;
@@ -990,7 +990,7 @@ display(remedy)
 # It's insurance. When the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
 # </details>
 # <details><summary>One edge in five is a wormhole even with sequences, in the ten offices. Why?</summary>
-# These offices are as bad as they come, on average far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences bring is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
+# These offices are as bad as they come, on average far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
 # </details>
 #
 # ## 10 · The failures that remain
@@ -1021,7 +1021,7 @@ show(side_by_side(gallery, names))
 # Does a robot with all remedies fail in these three cases?
 #
 # <details><summary>It's carried from one room to the same spot in its twin; the goal lies outside.</summary>
-# No, but it takes longer. Nothing in the room contradicts its belief; outside, the views do, and it plans again. If the goal were <i>in</i> the room, it would arrive in the wrong room and not know it.
+# No, but it takes longer. Nothing in the room contradicts its belief; outside, the views do, and it plans again. If the goal were <i>in</i> the room, the robot would end up in the wrong one, unaware.
 # </details>
 # <details><summary>It starts in one of two twins, and the goal can't be seen from either.</summary>
 # No. It plans from the likelier twin, and learns on the drive which one it was in.

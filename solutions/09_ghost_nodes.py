@@ -1281,7 +1281,7 @@ show(stacked(rows))
 # <li><b>Edges to a known node</b> get their pose from F_R; the paper takes odometry. No difference either.</li>
 # <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. This rule matters: without it, success on hard goals falls from 71 to 39 % in plain buildings, and from 88 to 37 % in wayfinding ones.</li>
 # <li><b>When ghosts go:</b> a node within a metre removes them, and so does one in sight in their direction, even without an edge. When none are left, there's the reserve list.</li>
-# <li><b>The goal:</b> several guesses of its place are averaged, a place where it isn't seen is rejected, and the robot stops 0.6 m away by its own estimate.</li>
+# <li><b>The goal:</b> several guesses at its place are averaged, a place where it isn't seen is rejected, and the robot stops 0.6 m away by its own estimate.</li>
 # <li><b>The network</b> matches the columns of two panoramas and learns from more than the paper's five losses, among them one for the order of directions.</li>
 # <li><b>The world</b> is flat and generated. The course's car explores, too, and finds as many goals; its turns just cost metres.</li>
 # </ul>

@@ -151,7 +151,7 @@ display(memory)
 #
 # ## 1 · One life
 #
-# Here's one life of your robot in your flat. It keeps its map, and has 300 actions for each photo. We drew four such lives; in this one, drift hurts most. Dark dots are its nodes, drawn **where it thinks they are**, as seen from where it stands. After one visit, all are within a metre of where they should be.
+# Here's one life of your robot in your flat. It keeps its map, and has 300 actions for each photo. Of four such lives, drift hurts most in this one. Dark dots are its nodes, drawn **where it thinks they are**, as seen from where it stands. After one visit, all are within a metre of where they should be.
 
 
 # %% hidden=true
