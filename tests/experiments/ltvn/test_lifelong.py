@@ -12,7 +12,7 @@ from tutorial_lib.agents.ltvn import TURNS, LTVNAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.ltvn import change, label, lifelong, model, spurious
+from tutorial_lib.experiments.ltvn import change, finetune, label, lifelong, model, spurious
 from tutorial_lib.experiments.protocols import navigation, navigation_tasks
 from tutorial_lib.experiments.protocols.lifelong import (
     TrueModel,
@@ -38,7 +38,7 @@ def building():
 @pytest.fixture(autouse=True)
 def one_building(building, monkeypatch):
     """Every world is this room."""
-    for module in (change, label, lifelong, model, spurious):
+    for module in (change, finetune, label, lifelong, model, spurious):
         monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
         monkeypatch.setattr(module, "for_each", in_turn)
     # Robots that never arrive take longest.
@@ -242,3 +242,19 @@ def test_gates_are_compared_at_thresholds_of_validation_worlds(monkeypatch):
         assert 0 < row["recall"] < 1
         assert row["waypoint_error"] < 0.6  # bare walls: single images tell little
     assert "threshold" in notes[0]
+
+
+@pytest.mark.full
+@needs("relative_5")
+def test_a_model_is_judged_before_and_after_it_was_tuned():
+    conditions = (("usual", False), ("shifted", True))
+    settings = finetune.Settings(conditions, queries=1, training=finetune.BRIEF)
+    rows, _ = finetune.run(Options(worlds=(20_001,)), settings)
+    assert [(row["look"], row["tuned"]) for row in rows] == list(conditions)
+    before, after = rows  # every world is this room: nothing but the tuning differs
+    assert before["threshold"] == after["threshold"]
+    assert before["pairs"] == after["pairs"]
+    assert before["far_rate"] <= 2 * model.FAR_RATE
+    assert before["recall"] == before["recall_at"]
+    assert before["waypoint_error"] != after["waypoint_error"] < 0.6
+    assert all(row["queries"] == 1 and row["vertices"] > 5 for row in rows)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.agents.ltvn import spaced
 from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.drives import TOUR, part_of
@@ -101,7 +102,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         for family in ("others", LOOP):
             parts = [part for part in measured if (part.family == LOOP) == (family == LOOP)]
             if parts:
-                rows.append(_row(gate, family, limit, parts))
+                rows.append(row_of(gate, family, limit, parts))
     notes = [
         f"threshold: accepts {FAR_RATE:.2%} of the pairs more than {FAR:g} m apart in validation "
         f"worlds other than {LOOP}",
@@ -114,7 +115,20 @@ def scored(item: tuple[int, str], seed: int, gates: tuple[str, ...]) -> Scored:
     """What every gate says about all pairs of the tour of one world with its palette."""
     world, palette = item
     whole = make_building(world, seed, palette=palette)
-    recorded = part_of(whole, TOUR, seed).recorded
+    models = {name: RelativeNetwork(name) for name in dict.fromkeys(GATES[g][0] for g in gates)}
+    return scores_of(part_of(whole, TOUR, seed).recorded, models, gates)
+
+
+def scores_of(
+    recorded: RecordedWorld, models: dict[str, RelativeNetwork], gates: tuple[str, ...]
+) -> Scored:
+    """What gates say about all pairs of images of recorded drives.
+
+    Args:
+        recorded: the drives.
+        models: of the gates' networks, by name.
+        gates: of `GATES`.
+    """
     kept = [
         frames[spaced(recorded.poses[frames], APART, TURNED)]
         for frames in map(recorded.frames_of, range(len(recorded.trajectories)))
@@ -133,8 +147,8 @@ def scored(item: tuple[int, str], seed: int, gates: tuple[str, ...]) -> Scored:
     reachable[near] = AnalyticLabel()(caster, straight, poses[target[near]])
     shared[near] = straight.seen
     scores, off = {}, {}
-    for name in dict.fromkeys(GATES[gate][0] for gate in gates):
-        pool = ImagePool(model := RelativeNetwork(name))
+    for name, model in models.items():
+        pool = ImagePool(model)
         for drive, frames in enumerate(kept):
             all_frames = recorded.frames_of(drive)
             context = contextified(all_frames[:, None], model.k)[frames - all_frames[0]][..., 0]
@@ -149,7 +163,7 @@ def scored(item: tuple[int, str], seed: int, gates: tuple[str, ...]) -> Scored:
                 scores[gate] = np.where(_all(passes, needed, len(pairs)), pairs, 0.0)
         error = pool.waypoints[source, target][reachable] - seen[reachable]
         off[name] = np.column_stack([np.hypot(error[:, 0], error[:, 1]), abs(wrap(error[:, 2]))])
-    return Scored(whole.scene.plan.family, metres > FAR, reachable, shared, scores, off)
+    return Scored(recorded.scene.plan.family, metres > FAR, reachable, shared, scores, off)
 
 
 def _passes(pool: ImagePool, source: NDArray, target: NDArray) -> dict[str, NDArray[np.bool_]]:
@@ -176,7 +190,8 @@ def threshold(parts: list[Scored], gate: str) -> float:
     return float(far[-1 - int(FAR_RATE * len(far))])
 
 
-def _row(gate: str, family: str, limit: float, parts: list[Scored]) -> dict[str, Any]:
+def row_of(gate: str, family: str, limit: float, parts: list[Scored]) -> dict[str, Any]:
+    """What a gate with that threshold accepts of the pairs of several worlds."""
     score, far, reachable, seen = (
         np.concatenate(columns)
         for columns in zip(

@@ -25,6 +25,7 @@ from tutorial_lib.learning import (
     exploration_data,
     exploration_recipes,
     exploration_training,
+    fine_tuning,
     panorama_encoder,
     weights,
 )
@@ -34,8 +35,8 @@ from tutorial_lib.topology.mapping import edge_rules, image_pool, sampling_map, 
 
 _MODULES = (
     *(blockades, disturbances, edge_rules, explorable, exploration, exploration_data),
-    *(exploration_recipes, exploration_training, faults, fig12_localization, fig4, ghost_graph),
-    *(goal_search, image_pool, local_control, maintenance, metrics, model, navigation),
+    *(exploration_recipes, exploration_training, faults, fig12_localization, fig4, fine_tuning),
+    *(ghost_graph, goal_search, image_pool, local_control, maintenance, metrics, model, navigation),
     *(navigation_tasks, panorama_encoder, perturbation, planner, plans, reachability),
     *(reachability_pairs, recorded_world, remedy_navigation, sampling_map, second_visit),
     *(spurious, table1, ten_visits, transitions, turn_edges, visits, weights),

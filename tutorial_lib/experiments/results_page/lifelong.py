@@ -1,10 +1,11 @@
-"""Tables of maps that mend themselves (LTVN): label, model, many queries, spoilt maps."""
+"""Tables of maps that mend themselves (LTVN): of the model, of many queries, of what changes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
 from tutorial_lib.experiments.results_page.markdown import Row, interval, number, percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Text,
@@ -41,6 +42,8 @@ TERMS = {
     "label": "all of these but the arc: the label",
     "label, arc": "the label, and near one arc",
 }
+LOOKS = {"usual": "as in training", "shifted": "other colours", "scanned": "real floor plans"}
+"""How buildings are called on the page."""
 SERIES = ("agent", "perception", "family")
 """What the blocks of one series of queries have in common."""
 
@@ -78,6 +81,21 @@ def model(rows: Rows) -> str:
         ("far among accepted", "{far_share:.2%}"),
         ("waypoint, median error", "{waypoint_error:.3f} m, {yaw_error:.1f} degrees"),
         ("ECE", lambda row: number(row["ece"])),
+    )
+
+
+def finetune(rows: Rows) -> str:
+    """The model, and navigation on its map, before and after it was tuned to the building."""
+    return listing(
+        rows,
+        ("building", lambda row: LOOKS[row["look"]]),
+        ("model", lambda row: "tuned" if row["tuned"] else "as it is shipped"),
+        ("waypoint, median error", "{waypoint_error:.3f} m, {yaw_error:.1f} degrees"),
+        ("reachable found", "{recall:.1%}"),
+        ("far accepted", "{far_rate:.3%}"),
+        ("found at a threshold of its own", "{recall_at:.1%}"),
+        ("queries", success),
+        ("vertices", "{vertices:.0f}"),
     )
 
 
@@ -132,6 +150,29 @@ def spurious(rows: Rows) -> str:
         *((f"{50 * n + 1} to {50 * (n + 1)}", in_block(n)) for n in numbers),
         ("injected, gone", lambda row: percent(row["injected_gone"], 0)),
         ("true, pruned", lambda row: percent(row["true_pruned"])),
+    )
+
+
+def change(rows: Rows) -> str:
+    """Success, and seconds of a drive, in the first and the last queries of each phase."""
+    last = max(column(rows, "block"))
+
+    def within(phase: str, block: int) -> Text:
+        def text(row: Row) -> str:
+            there = one(rows, agent=row["agent"], phase=phase, block=block)
+            return f"{percent(there['success'], 0)}, {number(there['seconds'], 0)} s"
+
+        return text
+
+    count = count_of(rows[0])
+    return listing(
+        matching(rows, block=0, phase=OPEN),
+        ("agent", lambda row: AGENTS[row["agent"]]),
+        *(
+            (f"{phase}, {which} {count}", within(phase, block))
+            for phase in PHASES
+            for which, block in (("first", 0), ("last", last))
+        ),
     )
 
 
