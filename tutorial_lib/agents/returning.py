@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.agents.votes import agreeing
 from tutorial_lib.errors import InputError
@@ -96,7 +96,7 @@ class ReturningAgent:
 
     def __init__(
         self,
-        memory: MengAgent,
+        memory: MapAgent,
         explorer: NTSAgent | None = None,
         settings: ReturnSettings | None = None,
     ) -> None:
@@ -108,7 +108,7 @@ class ReturningAgent:
                 robot without a path stops once it plans no more.
             settings: when to plan.
         """
-        self._memory = instance("memory", memory, MengAgent)
+        self._memory = instance("memory", memory, MapAgent)
         self._explorer = explorer and with_methods("explorer", explorer, "start", "act")
         settings = ReturnSettings() if settings is None else settings
         self._settings = instance("settings", settings, ReturnSettings)
