@@ -31,6 +31,9 @@ AGENTS = {
     "il_forgets": "imitation",
     "random_forgets": "random walk",
     "oracle": "oracle",
+    "meng_toured": "Meng, shown the building by the oracle",
+    "sptm_toured": "SPTM, shown the building by the oracle",
+    "meng_explored": "Meng, shown the building by NTS",
 }
 """How agents are called on the page."""
 FIRST, LAST, ALL = PARTS
