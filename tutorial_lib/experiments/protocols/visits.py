@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.returning import DISCRETE, visit
 from tutorial_lib.agents.sptm import SPTMAgent
@@ -22,8 +23,13 @@ from tutorial_lib.exploration.episodes import Episodes, draw_episodes, draw_sequ
 from tutorial_lib.exploration.task import ExplorationTask, explore_on
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import SequentialExplorer
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.learning.estimators import (
+    ReachabilityNetwork,
+    RelativeNetwork,
+    WaypointNetwork,
+)
 from tutorial_lib.observation import Observation
+from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.world.scene import Scene
 
 GOALS = ("passed", "elsewhere")
@@ -101,6 +107,14 @@ def remembering() -> MengAgent:
 def remembering_sptm() -> SPTMAgent:
     """The same of SPTM; its images are as far apart as in the car, about 1.2 m."""
     return agents.sptm(every=_EVERY, s_shortcut=CHOSEN[TOUR].s_shortcut, **_parts())
+
+
+def remembering_ltvn() -> LTVNAgent:
+    """The same of LTVN: targets are single images, as goals are to it, and nothing is reversed."""
+    model = RelativeNetwork("relative_5")
+    model.k = 0
+    rules = SamplingRules(reverse=None)
+    return LTVNAgent(model=model, controller=StandStill(), backing=StandStill(), rules=rules)
 
 
 def _parts() -> dict[str, Any]:

@@ -8,15 +8,22 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.agents.discrete_ltvn import DiscreteLTVN
 from tutorial_lib.agents.forgetting import Forgetting
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
+from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.returning import ReturningAgent, visit
 from tutorial_lib.agents.scan_corrected import ScanCorrected
 from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer, shipped
-from tutorial_lib.experiments.protocols.visits import remembering, remembering_sptm, shown
+from tutorial_lib.experiments.protocols.visits import (
+    remembering,
+    remembering_ltvn,
+    remembering_sptm,
+    shown,
+)
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.interfaces import ExplorationModel, SequentialExplorer
 
@@ -47,7 +54,7 @@ def _corrected(maker: Maker) -> Maker:
     return lambda task, model, rng: ScanCorrected(maker(task, model, rng))
 
 
-def _shown(memory: Callable[[], MapAgent], guide: str) -> Maker:
+def _shown(memory: Callable[[], MapAgent | LTVNAgent], guide: str) -> Maker:
     """A robot that was shown the building by a guide before its life, and only plans."""
 
     def make(
@@ -59,8 +66,9 @@ def _shown(memory: Callable[[], MapAgent], guide: str) -> Maker:
             return RUNNERS[guide](tour, model, rng)
 
         known = memory()
-        known.learn(visit(shown(name, scene, guided, SHOWN, rng), 0))
-        return Forgetting(ReturningAgent(known))
+        deep = isinstance(known, LTVNAgent)
+        known.learn(visit(shown(name, scene, guided, SHOWN, rng), 0, with_depth=deep))
+        return Forgetting(DiscreteLTVN(known) if deep else ReturningAgent(known))
 
     return make
 
@@ -94,7 +102,9 @@ RUNNERS: Mapping[str, Maker] = {
     "oracle": _forgetting("oracle"),
     "meng_toured": _shown(remembering, "oracle"),
     "sptm_toured": _shown(remembering_sptm, "oracle"),
+    "ltvn_toured": _shown(remembering_ltvn, "oracle"),
     "meng_explored": _shown(remembering, "nts"),
+    "ltvn_explored": _shown(remembering_ltvn, "nts"),
 }
 """Those that forget begin anew with each goal."""
 INGREDIENTS = (
@@ -102,7 +112,10 @@ INGREDIENTS = (
     "nts",
 )
 """The combined agent without one of its parts each, and without all of them."""
-TOURED = ("combined", "meng_toured", "sptm_toured", "meng_explored", "oracle")
+TOURED = (
+    *("combined", "meng_toured", "sptm_toured", "ltvn_toured"),
+    *("meng_explored", "ltvn_explored", "oracle"),
+)
 """The combined agent beside systems that have to be shown a building: on the shortest paths between
 places, or by an agent that explores it."""
 FIELD = (

@@ -33,7 +33,9 @@ AGENTS = {
     "oracle": "oracle",
     "meng_toured": "Meng, shown the building by the oracle",
     "sptm_toured": "SPTM, shown the building by the oracle",
+    "ltvn_toured": "LTVN, shown the building by the oracle",
     "meng_explored": "Meng, shown the building by NTS",
+    "ltvn_explored": "LTVN, shown the building by NTS",
 }
 """How agents are called on the page."""
 FIRST, LAST, ALL = PARTS
