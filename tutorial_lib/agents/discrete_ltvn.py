@@ -22,13 +22,14 @@ from tutorial_lib.validation import instance
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 
 _HEADINGS = 6  # evenly spaced, in which a goal may be seen
+_STEPS = 5  # of 0.1 s, that an action takes
 
 
 class DiscreteLTVN:
     """An `ExplorerAgent` that navigates over a map, and stops where it finds no path.
 
     Attributes:
-        navigation: over the map; an action counts as a step of 0.1 s.
+        navigation: over the map.
     """
 
     def __init__(self, memory: LTVNAgent) -> None:
@@ -50,7 +51,8 @@ class DiscreteLTVN:
         here = observations[robots]
         ahead = turned(here, 0.0, with_depth=True)  # checks that there is depth
         self._policy.maps.observe(robots, here.odometry, np.asarray(here.depth))
-        navigation.act(ahead, robots)
+        for _ in range(_STEPS):
+            navigation.act(ahead, robots)
         under_way = robots[~(navigation.arrived | navigation.given_up)[robots]]
         driving = []
         for robot in under_way.tolist():

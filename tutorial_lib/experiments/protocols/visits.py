@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.returning import DISCRETE, visit
 from tutorial_lib.agents.sptm import SPTMAgent
@@ -113,8 +114,9 @@ def remembering_ltvn() -> LTVNAgent:
     """The same of LTVN: targets are single images, as goals are to it, and nothing is reversed."""
     model = RelativeNetwork("relative_5")
     model.k = 0
-    rules = SamplingRules(reverse=None)
-    return LTVNAgent(model=model, controller=StandStill(), backing=StandStill(), rules=rules)
+    parts = {"controller": StandStill(), "backing": StandStill()}
+    rules, travel = SamplingRules(reverse=None), TravelSettings(slow=5.0, spare=6.0)
+    return LTVNAgent(model=model, rules=rules, travel=travel, **parts)
 
 
 def _parts() -> dict[str, Any]:
