@@ -54,8 +54,8 @@ def _corrected(maker: Maker) -> Maker:
     return lambda task, model, rng: ScanCorrected(maker(task, model, rng))
 
 
-def _shown(memory: Callable[[], MapAgent | LTVNAgent], guide: str) -> Maker:
-    """A robot that was shown the building by a guide before its life, and only plans."""
+def _toured(memory: Callable[[], MapAgent | LTVNAgent]) -> Maker:
+    """A robot that the oracle showed the building before its life, and that only plans."""
 
     def make(
         task: ExplorationTask, model: ExplorationModel, rng: np.random.Generator
@@ -63,7 +63,7 @@ def _shown(memory: Callable[[], MapAgent | LTVNAgent], guide: str) -> Maker:
         ((name, scene),) = task.scenes.items()
 
         def guided(tour: ExplorationTask) -> SequentialExplorer:
-            return RUNNERS[guide](tour, model, rng)
+            return RUNNERS["oracle"](tour, model, rng)
 
         known = memory()
         deep = isinstance(known, LTVNAgent)
@@ -100,11 +100,9 @@ RUNNERS: Mapping[str, Maker] = {
     "il_forgets": _forgetting("il"),
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
-    "meng_toured": _shown(remembering, "oracle"),
-    "sptm_toured": _shown(remembering_sptm, "oracle"),
-    "ltvn_toured": _shown(remembering_ltvn, "oracle"),
-    "meng_explored": _shown(remembering, "nts"),
-    "ltvn_explored": _shown(remembering_ltvn, "nts"),
+    "meng_toured": _toured(remembering),
+    "sptm_toured": _toured(remembering_sptm),
+    "ltvn_toured": _toured(remembering_ltvn),
 }
 """Those that forget begin anew with each goal."""
 INGREDIENTS = (
@@ -112,12 +110,8 @@ INGREDIENTS = (
     "nts",
 )
 """The combined agent without one of its parts each, and without all of them."""
-TOURED = (
-    *("combined", "meng_toured", "sptm_toured", "ltvn_toured"),
-    *("meng_explored", "ltvn_explored", "oracle"),
-)
-"""The combined agent beside systems that have to be shown a building: on the shortest paths between
-places, or by an agent that explores it."""
+TOURED = ("combined", "meng_toured", "sptm_toured", "ltvn_toured", "oracle")
+"""The combined agent beside systems that have to be shown a building."""
 FIELD = (
     *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
     *("ans_like", "fbe_recalls", "fbe", "il_forgets", "random_forgets", "oracle"),

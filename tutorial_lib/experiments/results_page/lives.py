@@ -31,11 +31,9 @@ AGENTS = {
     "il_forgets": "imitation",
     "random_forgets": "random walk",
     "oracle": "oracle",
-    "meng_toured": "Meng, shown the building by the oracle",
-    "sptm_toured": "SPTM, shown the building by the oracle",
-    "ltvn_toured": "LTVN, shown the building by the oracle",
-    "meng_explored": "Meng, shown the building by NTS",
-    "ltvn_explored": "LTVN, shown the building by NTS",
+    "meng_toured": "Meng, after a tour",
+    "sptm_toured": "SPTM, after a tour",
+    "ltvn_toured": "LTVN, after a tour",
 }
 """How agents are called on the page."""
 FIRST, LAST, ALL = PARTS
