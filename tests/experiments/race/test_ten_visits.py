@@ -119,7 +119,7 @@ def test_a_guide_shows_a_building_for_as_long_as_said():
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", ["meng_toured", "sptm_toured"])
+@pytest.mark.parametrize("name", ["meng_toured", "sptm_toured", "ltvn_toured"])
 def test_robots_that_were_shown_a_building_know_it(name, monkeypatch):
     monkeypatch.setattr(runners, "SHOWN", 200)
     rows, _ = run(Options(worlds=(WORLD,)), Settings((name,), lives=2, visits=2))
