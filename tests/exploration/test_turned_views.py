@@ -25,13 +25,17 @@ def looked(scenes):
 def test_a_turned_view_is_what_the_camera_sees_there(looked):
     scene, poses, seen = looked
     headings = np.random.default_rng(5).uniform(-np.pi, np.pi, len(poses))
-    views = turned(seen, headings)
+    views = turned(seen, headings, with_depth=True)
     there = poses.copy()
     there[:, 2] += headings
-    image, _ = Camera().look(scene, there)
+    image, depth = Camera().look(scene, there)
     error = np.abs(views.image.astype(float) - image)
     assert np.median(error) <= 2
     assert error.mean() < 6  # a mirror image has 44
+    gaps = np.abs(views.depth - depth)
+    assert np.median(gaps) < 0.05
+    assert np.median(np.abs(views.depth[:, ::-1] - depth)) > 0.3  # not a mirror image
+    assert turned(seen, headings).depth is None
     gaps = np.abs(views.laser - Laser().scan(scene, there))
     assert np.median(gaps) < 0.02
     assert np.quantile(gaps, 0.9) < 0.3

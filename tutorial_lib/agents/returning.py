@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.agents.votes import agreeing
 from tutorial_lib.errors import InputError
@@ -60,7 +60,7 @@ class ReturnSettings:
             whole(name, value, least=1)
 
 
-def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
+def visit(run: Sequence[Observation], robot: int, *, with_depth: bool = False) -> list[Experience]:
     """What one robot saw on its run: ahead of it, and, for the path back, over its shoulder.
 
     Only where it moved on is a frame kept; a panorama shows what is ahead and what is behind.
@@ -68,6 +68,7 @@ def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
     Args:
         run: panoramas with depth of N robots, before each action.
         robot: which of them.
+        with_depth: whether the pictures have depth.
 
     Returns:
         Two trajectories; none where the robot hardly moved.
@@ -80,8 +81,8 @@ def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
     there = seen[kept]
     seconds = _ACTION * np.arange(len(kept), dtype=float)
     return [
-        Experience(turned(there, 0.0), seconds),
-        Experience(turned(there[::-1], np.pi), seconds + seconds[-1] + 60.0),
+        Experience(turned(there, 0.0, with_depth=with_depth), seconds),
+        Experience(turned(there[::-1], np.pi, with_depth=with_depth), seconds + seconds[-1] + 60.0),
     ]
 
 
@@ -96,7 +97,7 @@ class ReturningAgent:
 
     def __init__(
         self,
-        memory: MengAgent,
+        memory: MapAgent,
         explorer: NTSAgent | None = None,
         settings: ReturnSettings | None = None,
     ) -> None:
@@ -108,7 +109,7 @@ class ReturningAgent:
                 robot without a path stops once it plans no more.
             settings: when to plan.
         """
-        self._memory = instance("memory", memory, MengAgent)
+        self._memory = instance("memory", memory, MapAgent)
         self._explorer = explorer and with_methods("explorer", explorer, "start", "act")
         settings = ReturnSettings() if settings is None else settings
         self._settings = instance("settings", settings, ReturnSettings)

@@ -48,6 +48,7 @@ ABLATIONS = {
     "carried": "lives in which somebody carries the robot elsewhere, twice",
     "changed": "lives in which a door closes, another opens, and furniture moves",
     "ingredients": "the combined agent without one of its parts each",
+    "toured": "robots that were shown the building first, beside the combined agent",
     "parts": "the agent without one of its parts at a time",
 }
 """What else an experiment compares, by name: these run in its place."""

@@ -18,12 +18,15 @@ from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.world.sensors import Camera, Laser, full_circle
 
 
-def turned(observations: Observation, headings: ArrayLike) -> Observation:
+def turned(
+    observations: Observation, headings: ArrayLike, *, with_depth: bool = False
+) -> Observation:
     """Observations with the camera's picture and a laser scan, as if the robots had turned.
 
     Args:
         observations: N panoramas with depth.
         headings: (N,) or one for all, rad counter-clockwise from where the robots look.
+        with_depth: whether the camera measures depth, too.
 
     Raises:
         InputError: where there is no depth.
@@ -34,10 +37,11 @@ def turned(observations: Observation, headings: ArrayLike) -> Observation:
     headings = np.broadcast_to(np.asarray(headings, dtype=float), (count,))
     odometry = observations.odometry.copy()
     odometry[:, 2] = wrap(odometry[:, 2] + headings)
+    ranges = np.asarray(observations.depth, dtype=float)
     return Observation(
         pinhole(observations.image, headings),
-        None,
-        _scans(np.asarray(observations.depth, dtype=float), headings),
+        _depths(ranges, headings) if with_depth else None,
+        _scans(ranges, headings),
         odometry,
         observations.speed,
         observations.steering,
@@ -89,6 +93,13 @@ def _means(values: NDArray[np.float32], borders: Array) -> NDArray[np.float32]:
     each = (..., *(None,) * (values.ndim - 2))
     until = total[row, whole] + part[each] * values[row, whole]
     return (np.diff(until, axis=1) / np.diff(borders, axis=1)[each]).astype(np.float32)
+
+
+def _depths(ranges: Array, headings: Array) -> Array:
+    """Metres (N, 64) along the rays of the `Camera`'s columns, from left to right."""
+    bearings = Camera().fan.angles[::-1]
+    columns = column_of(bearings + headings[:, None], ranges.shape[1])
+    return np.take_along_axis(ranges, columns, axis=1)
 
 
 def _scans(ranges: Array, headings: Array) -> Array:

@@ -175,4 +175,5 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "race changed",
         "race exact",
         "race ingredients",
+        "race toured",
     }

@@ -7,8 +7,9 @@ import pytest
 
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.race import ten_visits
-from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS
+from tutorial_lib.experiments.protocols.visits import shown
+from tutorial_lib.experiments.race import runners, ten_visits
+from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, TOURED
 from tutorial_lib.experiments.race.ten_visits import (
     APART,
     CHANGED,
@@ -81,7 +82,7 @@ def test_lives_have_rows_and_a_faulty_agent_costs_its_own_only(tmp_path):
 
 
 def test_all_who_run_are_known():
-    assert set(FIELD) | set(INGREDIENTS) <= RUNNERS.keys()
+    assert set(FIELD) | set(INGREDIENTS) | set(TOURED) <= RUNNERS.keys()
 
 
 def test_the_same_lives_are_lived_where_the_building_stays_and_where_it_changes():
@@ -101,3 +102,27 @@ def test_bounds_of_the_race(name):
     rows, _ = run(Options(worlds=(WORLD,)), Settings((name,), lives=4, visits=2))
     (row,) = [row for row in rows if row["visits"] == "1-10"]
     assert row["success"] == 1.0 if name == "oracle" else row["success"] < 0.8
+
+
+def test_a_guide_shows_a_building_for_as_long_as_said():
+    name = exploration_world(WORLD)
+    scene = scene_of(name)
+
+    def guide(task):
+        return RUNNERS["oracle"](task, None, np.random.default_rng(0))
+
+    run, again = (shown(name, scene, guide, 150, np.random.default_rng(3)) for _ in range(2))
+    assert len(run) == 150  # several goals, one after another
+    assert all(np.array_equal(a.image, b.image) for a, b in zip(run, again, strict=True))
+    path = np.concatenate([seen.odometry for seen in run])
+    assert np.hypot(*np.diff(path[:, :2], axis=0).T).sum() > 15.0
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["meng_toured", "sptm_toured", "ltvn_toured"])
+def test_robots_that_were_shown_a_building_know_it(name, monkeypatch):
+    monkeypatch.setattr(runners, "SHOWN", 200)
+    rows, _ = run(Options(worlds=(WORLD,)), Settings((name,), lives=2, visits=2))
+    (row,) = [row for row in rows if row["visits"] == "1-10"]
+    assert row["goals"] == 4
+    assert row["steps"] < 500  # none looks for a goal that its map has not

@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.returning import DISCRETE, visit
+from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.agents.stand_still import StandStill
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.protocols.drives import TOUR
+from tutorial_lib.experiments.protocols.thresholds import CHOSEN
+from tutorial_lib.exploration.episodes import Episodes, draw_episodes, draw_sequence
+from tutorial_lib.exploration.task import ExplorationTask, explore_on
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import SequentialExplorer
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.learning.estimators import (
+    ReachabilityNetwork,
+    RelativeNetwork,
+    WaypointNetwork,
+)
 from tutorial_lib.observation import Observation
+from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.world.scene import Scene
 
 GOALS = ("passed", "elsewhere")
@@ -28,6 +43,8 @@ FAR = 3.0
 """Metres from a start to its goal, at least."""
 _AROUND = 1.5  # times as long may the path to a place be that was passed: no wall is between
 _DRAWN = 2_000  # places among which starts and goals are
+_GOALS = 200  # of a guide: more than it comes to
+_EVERY = 5  # frames, of an action each, between two images of SPTM
 
 
 class Recorder:
@@ -57,14 +74,63 @@ class Recorder:
         return self._explorer.act(observations, running)
 
 
+def shown(
+    name: str,
+    scene: Scene,
+    guide: Callable[[ExplorationTask], SequentialExplorer],
+    actions: int,
+    rng: np.random.Generator,
+) -> list[Observation]:
+    """What a robot (1,) observes while a guide looks for one goal after another.
+
+    Args:
+        name: of the world.
+        scene: the world.
+        guide: makes what drives the robot.
+        actions: that the run has, at most; fewer only where the guide stops at once.
+        rng: draws the goals and the noise of motion.
+    """
+    first = draw_episodes(name, scene, {"medium": 1}, rng)
+    goals = draw_sequence(scene, first.goals, _GOALS, rng)
+    task = ExplorationTask({name: scene}, first, rng)
+    recorder = Recorder(guide(task))
+    for _ in explore_on(task, recorder, goals):
+        if len(recorder.run) >= actions:
+            break
+    return recorder.run[:actions]
+
+
+def remembering() -> MengAgent:
+    """The agent of Meng 2020 in the robot that explores, of which it only plans and recalls."""
+    return MengAgent(**_parts())
+
+
+def remembering_sptm() -> SPTMAgent:
+    """The same of SPTM; its images are as far apart as in the car, about 1.2 m."""
+    return agents.sptm(every=_EVERY, s_shortcut=CHOSEN[TOUR].s_shortcut, **_parts())
+
+
+def remembering_ltvn() -> LTVNAgent:
+    """The same of LTVN: targets are single images, as goals are to it, and nothing is reversed."""
+    model = RelativeNetwork("relative_5")
+    model.k = 0
+    parts = {"controller": StandStill(), "backing": StandStill()}
+    rules, travel = SamplingRules(reverse=None), TravelSettings(slow=5.0, spare=6.0)
+    return LTVNAgent(model=model, rules=rules, travel=travel, **parts)
+
+
+def _parts() -> dict[str, Any]:
+    return {
+        "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
+        "controller": StandStill(),
+        "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
+        "follower": DISCRETE,
+    }
+
+
 def learned_from(run: list[Observation]) -> MengAgent:
     """The agent of Meng 2020 with a map of what a robot (1,) saw on its run."""
-    memory = MengAgent(
-        predictor=WaypointNetwork(f"waypoint_{CONTEXT}"),
-        controller=StandStill(),
-        reachability=ReachabilityNetwork(f"reach_{CONTEXT}"),
-        follower=DISCRETE,
-    )
+    memory = remembering()
     memory.learn(visit(run, 0))
     return memory
 

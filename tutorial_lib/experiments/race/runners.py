@@ -8,12 +8,22 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.agents.discrete_ltvn import DiscreteLTVN
 from tutorial_lib.agents.forgetting import Forgetting
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
+from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
+from tutorial_lib.agents.returning import ReturningAgent, visit
 from tutorial_lib.agents.scan_corrected import ScanCorrected
 from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer, shipped
+from tutorial_lib.experiments.protocols.visits import (
+    remembering,
+    remembering_ltvn,
+    remembering_sptm,
+    shown,
+)
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.interfaces import ExplorationModel, SequentialExplorer
 
@@ -21,6 +31,8 @@ Maker = Callable[[ExplorationTask, ExplorationModel, np.random.Generator], Seque
 
 COMBINED = LifelongSettings()
 """What is raced, chosen on validation worlds."""
+SHOWN = 1_300
+"""Actions for which a robot is shown a building: as many as the combined agent lives."""
 
 
 def _lifelong(**changed: Any) -> Maker:  # noqa: ANN401 - fields of the settings
@@ -40,6 +52,25 @@ def _frontier(scorer: str = "", *, recalls: bool = False) -> Maker:
 
 def _corrected(maker: Maker) -> Maker:
     return lambda task, model, rng: ScanCorrected(maker(task, model, rng))
+
+
+def _toured(memory: Callable[[], MapAgent | LTVNAgent]) -> Maker:
+    """A robot that the oracle showed the building before its life, and that only plans."""
+
+    def make(
+        task: ExplorationTask, model: ExplorationModel, rng: np.random.Generator
+    ) -> Forgetting:
+        ((name, scene),) = task.scenes.items()
+
+        def guided(tour: ExplorationTask) -> SequentialExplorer:
+            return RUNNERS["oracle"](tour, model, rng)
+
+        known = memory()
+        deep = isinstance(known, LTVNAgent)
+        known.learn(visit(shown(name, scene, guided, SHOWN, rng), 0, with_depth=deep))
+        return Forgetting(DiscreteLTVN(known) if deep else ReturningAgent(known))
+
+    return make
 
 
 def _forgetting(name: str) -> Maker:
@@ -69,6 +100,9 @@ RUNNERS: Mapping[str, Maker] = {
     "il_forgets": _forgetting("il"),
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
+    "meng_toured": _toured(remembering),
+    "sptm_toured": _toured(remembering_sptm),
+    "ltvn_toured": _toured(remembering_ltvn),
 }
 """Those that forget begin anew with each goal."""
 INGREDIENTS = (
@@ -76,6 +110,8 @@ INGREDIENTS = (
     "nts",
 )
 """The combined agent without one of its parts each, and without all of them."""
+TOURED = ("combined", "meng_toured", "sptm_toured", "ltvn_toured", "oracle")
+"""The combined agent beside systems that have to be shown a building."""
 FIELD = (
     *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
     *("ans_like", "fbe_recalls", "fbe", "il_forgets", "random_forgets", "oracle"),

@@ -24,7 +24,7 @@ from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.race.changes import changed
 from tutorial_lib.experiments.race.changing_task import ChangingTask
 from tutorial_lib.experiments.race.relocations import Relocations
-from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, own_runner
+from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, TOURED, own_runner
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
@@ -332,6 +332,14 @@ _INGREDIENTS = Experiment(
     Settings(INGREDIENTS),
     canary=Settings(("no_closing",), 1, 2),
 )
+_TOURED = Experiment(
+    "race_toured",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(TOURED),
+    canary=Settings(("meng_toured",), 1, 2),
+)
 _EXACT = Experiment(
     "race_exact",
     run,
@@ -354,5 +362,6 @@ EXPERIMENT = Experiment(
         "changed": _CHANGED,
         "exact": _EXACT,
         "ingredients": _INGREDIENTS,
+        "toured": _TOURED,
     },
 )

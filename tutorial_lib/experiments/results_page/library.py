@@ -18,7 +18,7 @@ from tutorial_lib.experiments.protocols import (
     reachability,
     visits,
 )
-from tutorial_lib.experiments.race import ten_visits
+from tutorial_lib.experiments.race import runners, ten_visits
 from tutorial_lib.experiments.robustness import disturbances, faults, plans
 from tutorial_lib.exploration import explorable, ghost_graph, goal_search
 from tutorial_lib.learning import (
@@ -38,7 +38,7 @@ _MODULES = (
     *(exploration_recipes, exploration_training, faults, fig12_localization, fig4, fine_tuning),
     *(ghost_graph, goal_search, image_pool, local_control, maintenance, metrics, model, navigation),
     *(navigation_tasks, panorama_encoder, perturbation, planner, plans, reachability),
-    *(reachability_pairs, recorded_world, remedy_navigation, sampling_map, second_visit),
-    *(spurious, table1, ten_visits, transitions, turn_edges, visits, weights),
+    *(reachability_pairs, recorded_world, remedy_navigation, runners, sampling_map),
+    *(second_visit, spurious, table1, ten_visits, transitions, turn_edges, visits, weights),
 )
 LIBRARY: dict[str, ModuleType] = {module.__name__.rpartition(".")[2]: module for module in _MODULES}

@@ -31,6 +31,9 @@ AGENTS = {
     "il_forgets": "imitation",
     "random_forgets": "random walk",
     "oracle": "oracle",
+    "meng_toured": "Meng, after a tour",
+    "sptm_toured": "SPTM, after a tour",
+    "ltvn_toured": "LTVN, after a tour",
 }
 """How agents are called on the page."""
 FIRST, LAST, ALL = PARTS
