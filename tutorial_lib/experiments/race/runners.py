@@ -13,10 +13,11 @@ from tutorial_lib.agents.forgetting import Forgetting
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
 from tutorial_lib.agents.ltvn import LTVNAgent
-from tutorial_lib.agents.navigator import MapAgent
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.returning import ReturningAgent, visit
 from tutorial_lib.agents.scan_corrected import ScanCorrected
+from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer, shipped
 from tutorial_lib.experiments.protocols.visits import (
     remembering,
@@ -54,7 +55,7 @@ def _corrected(maker: Maker) -> Maker:
     return lambda task, model, rng: ScanCorrected(maker(task, model, rng))
 
 
-def _toured(memory: Callable[[], MapAgent | LTVNAgent]) -> Maker:
+def _toured(memory: Callable[[], MengAgent | SPTMAgent | LTVNAgent]) -> Maker:
     """A robot that the oracle showed the building before its life, and that only plans."""
 
     def make(
