@@ -547,7 +547,7 @@ display(cloud)
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
-# Where ray and wall are parallel, the denominator is zero, up to rounding. So an absolute value of $10^{-12}$ or less counts as parallel.
+# Where ray and wall are parallel, the denominator is zero, up to rounding. So an absolute value below $10^{-12}$ counts as parallel.
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #

@@ -490,7 +490,7 @@ sliders(
 #
 # ## 4 · Half a metre back
 #
-# Your car only drives forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse. Where one arc is too tight, the car turns in several moves.
+# Your policies only drive forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse. Where one arc is too tight, the car turns in several moves.
 #
 # Is reversing worth it? An [[episode]] has a start and a target. One drive of a controller through an episode is a [[rollout]]. Here two cars drive to targets up to a metre *behind* them: one car never reverses, the other may. An oracle tells them where the target is.
 
@@ -935,7 +935,7 @@ show(stacked([stacked([panel], [title]), outcome_legend()], gap=4))
 # A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. The *optimizer* and its [[learning rate]] $\eta$ decide how far. The loop has seven rules:
 #
 # 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
-# 2. **The learning rate is set before every step.** It rises over $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, and then decays along half a cosine:
+# 2. **The learning rate is set before every step.** It rises over $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, while it decays along half a cosine:
 #    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
 # 3. **Gradients don't accumulate**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that's longer than `max_norm` is shortened to that length; others stay as they are. This is called *clipping*.
 # 4. **Evaluate** after every `eval_interval` steps, and always after the last step: `validate(network)` returns the loss on pairs that the network doesn't learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it's in training mode, `network.train()`.

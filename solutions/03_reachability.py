@@ -561,7 +561,7 @@ reach_loss = check_reach_loss.use(reach_loss)
 
 
 # %% [markdown]
-# Rollout labels are ones and zeros. Why should they lead to a *probability*? Ten rollouts from the very same start to the same target: seven arrive, two run out of time, one hits the wall. The network sees the same two images ten times, so it must say the same $p$ each time. Here's what each $p$ costs under your loss. The lighter curve drops the crash, as the authors' code does.
+# Rollout labels are ones and zeros. Why should they lead to a *probability*? Ten rollouts with noisy controls, from one start to one target: seven arrive, two run out of time, one hits the wall. The network sees the same two images ten times, so it must say the same $p$ each time. Here's what each $p$ costs under your loss. The lighter curve drops the crash, as the authors' code does.
 
 # %% hidden=true
 # The mean loss of ten rollouts for every prediction

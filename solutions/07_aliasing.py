@@ -990,7 +990,7 @@ display(remedy)
 # It's insurance. When the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
 # </details>
 # <details><summary>One edge in five is a wormhole even with sequences, in the ten offices. Why?</summary>
-# These offices are as bad as they come, on average far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
+# On average, these offices are far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
 # </details>
 #
 # ## 10 · The failures that remain

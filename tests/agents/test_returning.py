@@ -25,6 +25,7 @@ from tutorial_lib.exploration.turned_views import turned
 from tutorial_lib.geometry import wrap
 from tutorial_lib.interfaces import HERE, Plan
 from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.topology.mapping.growing_batch import GrowingBatch
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 from tutorial_lib.world.worlds import scene_of
 
@@ -291,6 +292,19 @@ def test_votes_turn_each_view_back_into_the_robot_s_frame():
 
     found = agreeing(Map(), None, Map.headings)
     assert found == [{0}, {1}, {2}]
+
+
+def test_a_robot_that_no_view_is_sure_of_is_nowhere():
+    class Map(list):
+        vertices = SimpleNamespace(
+            into=lambda views, view, vertices: np.full(len(vertices), 0.3),
+            observations=GrowingBatch(),
+        )
+
+        def nearby(self, views, candidates):
+            return np.array([[0], [0]])
+
+    assert agreeing(Map([0]), None, np.zeros(2)) == [set(), set()]
 
 
 def test_the_gain_is_of_both_over_the_other_method():

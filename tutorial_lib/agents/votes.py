@@ -43,6 +43,8 @@ def agreeing(
     vertices = near.ravel()
     reach = topomap.vertices.into(views, view, vertices)
     sure = reach > _LEAST
+    if not sure.any():
+        return [set() for _ in headings]
     view, vertices, reach = view[sure], vertices[sure], reach[sure]
     poses = topomap.vertices.observations[vertices].odometry
     support = supports(view, poses[:, :2], poses[:, 2] - headings[view], reach)
