@@ -124,8 +124,8 @@ MUTATIONS = [
     (
         "a robot remembers no way back",
         "agents/returning.py",
-        "turned(there[::-1], np.pi)",
-        "turned(there[::-1], 0.0)",
+        "turned(there[::-1], np.pi,",
+        "turned(there[::-1], 0.0,",
         "agents/test_returning.py -k shows_the_path",
     ),
     (
