@@ -9,7 +9,7 @@ from tutorial_lib.experiments.benchmarks import (
     reachability,
 )
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.ltvn import change, finetune, lifelong, spurious
+from tutorial_lib.experiments.ltvn import change, finetune, lifelong, size, spurious
 from tutorial_lib.experiments.ltvn import label as ltvn_label
 from tutorial_lib.experiments.ltvn import model as ltvn_model
 from tutorial_lib.experiments.meng2020 import (
@@ -64,6 +64,7 @@ _EXPERIMENTS = (
     ltvn_label,
     ltvn_model,
     lifelong,
+    size,
     change,
     spurious,
     finetune,

@@ -149,7 +149,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
     nts = {"nts_wayfinding", "nts_scores", "nts_table1", "nts_table2", "nts_fig8", "nts_figs"}
     nts |= {"nts_second_visit"}
     ltvn = {"ltvn_label", "ltvn_model", "ltvn_lifelong", "ltvn_spurious", "ltvn_change"}
-    ltvn |= {"ltvn_finetune"}
+    ltvn |= {"ltvn_finetune", "ltvn_size"}
     assert set(EXPERIMENTS) == figures | tables | nts | ltvn | {"race"}
     assert set(ABLATIONS) == {
         "meng_table1 encoder",

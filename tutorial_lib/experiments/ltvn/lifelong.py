@@ -299,6 +299,7 @@ EXPERIMENT = Experiment(
             WORLDS[:2],
             settings=LONG,
             quick_settings=replace(LONG, queries=100, block=20, fleet=20),
+            canary=replace(LONG, queries=2, block=2, fleet=2),
         ),
         "parts": Experiment(
             "ltvn_lifelong_parts",
@@ -307,6 +308,7 @@ EXPERIMENT = Experiment(
             WORLDS[:2],
             settings=ABLATED,
             quick_settings=replace(ABLATED, queries=100, block=20, fleet=20),
+            canary=replace(ABLATED, queries=2, block=2, fleet=2),
         ),
     },
 )
