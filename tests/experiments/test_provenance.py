@@ -131,10 +131,15 @@ def test_a_changed_canary_asks_for_a_new_measurement(report, one_result, monkeyp
     assert not one_result
 
 
-def test_a_canary_of_another_processor_tells_nothing(one_result, capsys, monkeypatch):
-    monkeypatch.setattr(provenance, "processor", lambda: "another")
-    assert results.check_results() != 0
-    assert "its canary is of another kind of processor" in capsys.readouterr().out
+@pytest.mark.parametrize("success", [0.5, 0.75])
+def test_on_another_processor_only_the_same_rows_tell(
+    report, one_result, capsys, monkeypatch, success
+):
+    now = report.made_from | {CANARY: [ROWS[0] | {"success": success}, ROWS[1]]}
+    monkeypatch.setattr(provenance, "made_from", lambda *_: now | {PROCESSOR: "another"})
+    assert (results.check_results() == 0) == (success == 0.5)
+    said = f"but its canary is of another kind of processor, {processor()}"
+    assert (said in capsys.readouterr().out) == (success != 0.5)
 
 
 @pytest.mark.full

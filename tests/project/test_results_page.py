@@ -115,7 +115,8 @@ def test_a_bootstrapped_interval_over_few_worlds_is_not_shown(name, key, low, hi
 @pytest.mark.parametrize("name", ["meng_table2", "meng_table2_shifted"])
 def test_a_difference_over_few_worlds_has_no_interval(name):
     assert 1 < len(RESULTS.reports[name].worlds) < 6
-    spans = re.findall(r"points (\(.*?\))", " ".join(RESULTS.reports[name].notes))
+    found = " ".join(map(str, RESULTS.reports[name].findings))
+    spans = re.findall(r"points (\(.*?\))", found)
     assert len(spans) == 3
     assert not [span for span in spans if span in section_with(name)]
 

@@ -146,7 +146,7 @@ def test_a_part_of_ones_own_has_a_row_of_table_1(own, few, seam):
     assert mine["paper"] is None
     for name in set(mine) - {"paper"}:
         assert mine[name] == other[name], name
-    assert any(note.startswith("k5 - custom, clean: ") for note in report.notes)
+    assert any(gap.what == "k5 - custom, clean" for gap in report.findings)
 
 
 def test_a_fault_in_table_1_costs_its_own_rows_only(own, few, capsys):
@@ -174,7 +174,7 @@ def test_an_explorer_of_ones_own_is_compared_and_a_fault_costs_its_own_rows_only
     where = own(EXPLORER.replace("self.rng.integers", "self.r.integers"))
     rows, notes = nts_table1.run(Options(worlds=(10_100,), agent=where), settings)
     assert {row["agent"] for row in rows} == {"oracle"}
-    assert [note for note in notes if "own.py, line 10: AttributeError" in note]
+    assert [note for note in notes if "own.py, line 10: AttributeError" in str(note)]
 
 
 @pytest.mark.full

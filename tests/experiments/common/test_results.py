@@ -20,6 +20,7 @@ def test_stored_results_are_read_and_missing_or_damaged_ones_named(tmp_path):
 
 
 ROW = {"method": "a", "trials": 40, "success": 0.5}
+FINDING = {"what": "a - b", "value": 0.1, "low": 0.0, "high": 0.2, "form": "points"}
 GOOD = {
     "name": "table",
     "seed": 0,
@@ -28,6 +29,7 @@ GOOD = {
     "seconds": 1.5,
     "rows": [ROW, ROW],
     "notes": ["a note"],
+    "findings": [FINDING],
     "map": "",
 }
 
@@ -45,6 +47,10 @@ GOOD = {
         ({"worlds": "12"}, "worlds: of another type"),
         ({"worlds": [1, True]}, "worlds: of another type"),
         ({"notes": "a note"}, "notes: of another type"),
+        ({"findings": ["a - b: 0.1"]}, "findings: of another type"),
+        ({"findings": [{"what": "a - b"}]}, "value"),
+        ({"findings": [FINDING | {"value": "0.1"}]}, "findings: of another type"),
+        ({"findings": [FINDING | {"form": "metre"}]}, "findings: of another type"),
         ({"seed": "0", "quick": 1}, "seed, quick: of another type"),
         ({"seconds": float("nan")}, "seconds: of another type"),
         ({"seconds": -1}, "seconds: of another type"),

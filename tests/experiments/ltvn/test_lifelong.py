@@ -199,13 +199,13 @@ def test_a_spoilt_map_has_as_many_edges_of_which_some_lead_far(building):
 def test_every_agent_has_a_row_for_each_block(monkeypatch):
     pairs = (("ltvn", "oracle"), ("frozen", "oracle"), ("oracle", "oracle"))
     settings = lifelong.Settings(agents=pairs, queries=4, block=2, fleet=2)
-    rows, notes = lifelong.run(Options(worlds=(20_001,)), settings)
+    rows, gaps = lifelong.run(Options(worlds=(20_001,)), settings)
     keys = [(row["agent"], row["block"]) for row in rows]
     assert keys == [(name, block) for name, _ in pairs for block in (0, 1)]
     assert all(0 <= row["success"] <= 1 and row["queries"] == 2 for row in rows)
     assert rows[0]["vertices"] == rows[2]["vertices"] > 10
     assert rows[-1]["vertices"] is None
-    assert any("ltvn - frozen" in note for note in notes)
+    assert any("ltvn - frozen" in gap.what for gap in gaps)
 
 
 @pytest.mark.full

@@ -44,13 +44,13 @@ def test_a_row_for_each_choice_of_remedies_and_what_each_adds(monkeypatch):
         {name: attempt_of(*kinds[name], wormholes=number + (name == "none")) for name in names}
         for number in (1, 2)
     ]
-    rows, notes = run_with(monkeypatch, parts, settings=fig12.Settings(remedies=names))
+    rows, gaps = run_with(monkeypatch, parts, settings=fig12.Settings(remedies=names))
     assert [row["remedy"] for row in rows] == list(names)
     none, whole = rows[0], rows[-1]
     assert (none["trials"], none["success"], none["wormholes"]) == (8, 0.25, 5)
     assert (none["gave_up"], none["late"], none["stuck"]) == (0.25, 0.25, 0.25)
     assert (whole["success"], whole["wormholes"], whole["lost"]) == (1.0, 3, 0.0)
-    assert notes == [
+    assert [gap.line for gap in gaps] == [
         "filter - none: +75.0 points (+75.0 to +75.0)",
         "no_filter - all: -75.0 points (-75.0 to -75.0)",
         "all - none: +75.0 points (+75.0 to +75.0)",

@@ -4,7 +4,6 @@ The notebook prints its numbers from the report and says the rest in words. Wher
 a new measurement, the sentence has to be thought over.
 """
 
-import re
 from pathlib import Path
 
 import pytest
@@ -65,8 +64,8 @@ def test_the_notebook_says_what_was_measured(sentence):
 
 def interval(difference):
     """The bounds, in points, that the report has for a difference."""
-    note = next(note for note in REMEDIES.notes if note.startswith(f"{difference}: "))
-    return tuple(map(float, re.search(r"\(([-+.\d]+) to ([-+.\d]+)\)", note).groups()))
+    found = REMEDIES.finding(difference)
+    return 100 * found.low, 100 * found.high
 
 
 def test_one_remedy_alone_helps_and_three_do_nothing():

@@ -138,16 +138,16 @@ def test_smoothing_compares_each_controller_with_itself(monkeypatch):
 
     monkeypatch.setattr(table1_smoothing, "for_each", kept)
     settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0, 0.1), episodes=6)
-    rows, notes = table1_smoothing.run(Options(worlds=(10_000, 10_001)), settings)
+    rows, gains = table1_smoothing.run(Options(worlds=(10_000, 10_001)), settings)
     assert [(row["controller"], row["share"]) for row in rows] == [("k0", 1.0), ("k0", 0.1)]
     assert len(parts) == 2
     for row in rows:
         reached = np.concatenate([part["k0", row["share"]] for part in parts])
         assert row["episodes"] == len(reached) == 12
         assert row["success"] == pytest.approx(reached.mean())
-    (note,) = notes
-    gain = 100 * (rows[1]["success"] - rows[0]["success"])
-    assert note.startswith(f"k0: 0.1 - 1: {gain:+.1f} points")
+    (gain,) = gains
+    assert gain.what == "k0: 0.1 - 1"
+    assert gain.value == pytest.approx(rows[1]["success"] - rows[0]["success"])
 
 
 @pytest.mark.full

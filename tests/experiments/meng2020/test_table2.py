@@ -709,10 +709,10 @@ def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
     assert rows["random"]["vertices"] is rows["oracle"]["edges"] is None
     assert report.map == "room.json"
     assert json.loads(json.dumps(report.as_dict()))["worlds"] == []
-    notes = "\n".join(report.notes)
-    assert "oracle, all worlds: 100.0%" in notes
-    assert "meng - custom: " in notes
-    assert "edges are no wormholes" in notes
+    found = {finding.what: finding.value for finding in report.findings}
+    assert found["oracle, all worlds"] == 1.0
+    assert found["meng - custom"] == pytest.approx(found["meng, all worlds"])
+    assert "edges are no wormholes" in "\n".join(report.notes)
 
 
 @networks
@@ -749,9 +749,9 @@ def test_maps_of_a_part_of_the_drives_have_its_thresholds(
     report = experiment.report(Options(map=plan, drives=drives))
     assert met["MengAgent"].settings.p_edge == p_edge
     assert met["SPTMAgent"].s_shortcut == s_shortcut
-    hidden = [note for note in report.notes if note.startswith("driven: ")]
-    assert len(hidden) == (not drives)
-    assert "is hardly tested" in " ".join(hidden) or drives
+    driven = [one for one in report.findings if one.what.startswith("trials on a recorded drive")]
+    assert len(driven) == (not drives)
+    assert "hardly test composing" in " ".join(report.notes) or drives
 
 
 def test_a_single_place_is_shared_out_by_method_and_many_by_world(monkeypatch):

@@ -45,11 +45,12 @@ one_world = cache(make_world)
 @pytest.mark.usefixtures("_made_up")
 @pytest.mark.full
 def test_table1_compares_within_a_sensor_and_over_worlds():
-    rows, notes = table1.run(OPTIONS, table1.Settings(1, ("nts", "fbe"), ("nts", "il")))
-    assert "SPL, nts (rgbd) - fbe (rgbd), plain, easy: +0.200 (+0.200 to +0.200)" in notes
-    assert "SPL, nts (rgb) - il (rgb), wayfinding, hard: +0.300 (+0.300 to +0.300)" in notes
-    assert "SPL, nts (rgbd) - nts (rgb), plain, medium: +0.100 (+0.100 to +0.100)" in notes
-    assert len(notes) == 3 * 2 * 3
+    rows, gaps = table1.run(OPTIONS, table1.Settings(1, ("nts", "fbe"), ("nts", "il")))
+    lines = [gap.line for gap in gaps]
+    assert "SPL, nts (rgbd) - fbe (rgbd), plain, easy: +0.200 (+0.200 to +0.200)" in lines
+    assert "SPL, nts (rgb) - il (rgb), wayfinding, hard: +0.300 (+0.300 to +0.300)" in lines
+    assert "SPL, nts (rgbd) - nts (rgb), plain, medium: +0.100 (+0.100 to +0.100)" in lines
+    assert len(gaps) == 3 * 2 * 3
     for row in rows:
         assert row["spl"] == pytest.approx(OF[row["agent"]] + 0.05 - 0.1 * (row["sensor"] == "rgb"))
         assert row["spl_low"] == pytest.approx(row["spl"] - 0.05, abs=0.01)  # the worst world
@@ -58,10 +59,11 @@ def test_table1_compares_within_a_sensor_and_over_worlds():
 
 @pytest.mark.usefixtures("_made_up")
 def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
-    rows, notes = table2.run(OPTIONS, table2.Settings(1, ("nts", "il")))
+    rows, gains = table2.run(OPTIONS, table2.Settings(1, ("nts", "il")))
+    lines = [gain.line for gain in gains]
     for agent in ("nts", "il"):
-        assert f"{agent}, plain: no_stop - standard: +2.0 points (+2.0 to +2.0)" in notes
-        assert f"{agent}, wayfinding: no_noise - standard: -3.0 points (-3.0 to -3.0)" in notes
+        assert f"{agent}, plain: no_stop - standard: +2.0 points (+2.0 to +2.0)" in lines
+        assert f"{agent}, wayfinding: no_noise - standard: -3.0 points (-3.0 to -3.0)" in lines
     row = next(row for row in rows if row["condition"] == "no_noise")
     assert row["spl"] == pytest.approx(0.6 + 0.05 - 0.03)
     assert row["spl_low"] < row["spl"] < row["spl_high"]

@@ -4,7 +4,7 @@ import pytest
 
 from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.agents.remedies import REMEDIES
-from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.common.report import SHARE, Finding, Report
 from tutorial_lib.experiments.meng2020.fig12_localization import CASES
 from tutorial_lib.experiments.results_page import aliasing, sources
 from tutorial_lib.experiments.results_page.sources import Results
@@ -41,10 +41,10 @@ def case_row(case, **shares):
     return row
 
 
-NOTES = (
-    *(f"{name} - none: +1.0 points (-1.0 to +3.0)" for name in REMEDIES[1:5]),
-    *(f"{name} - all: -2.0 points (-4.0 to +1.0)" for name in REMEDIES[5:9]),
-    "all - none: +45.0 points (+40.0 to +50.0)",
+GAPS = (
+    *(Finding(f"{name} - none", 0.01, -0.01, 0.03) for name in REMEDIES[1:5]),
+    *(Finding(f"{name} - all", -0.02, -0.04, 0.01) for name in REMEDIES[5:9]),
+    Finding("all - none", 0.45, 0.4, 0.5),
 )
 ROWS = {
     "meng_fig12": [remedy_row(number, name) for number, name in enumerate(REMEDIES)],
@@ -61,7 +61,8 @@ ROWS = {
 def results():
     worlds = tuple(range(20_000, 20_010))
     reports = {
-        name: Report(name, 0, worlds, False, 1.0, rows, NOTES) for name, rows in ROWS.items()
+        name: Report(name, 0, worlds, False, 1.0, rows, findings=GAPS)
+        for name, rows in ROWS.items()
     }
     for names in aliasing.ELSEWHERE.values():
         for name, shares in zip(names, ((0.9, 0.8), (0.95, 0.7)), strict=True):
@@ -75,8 +76,8 @@ def results():
                 for world, share in enumerate(shares)
                 for method in ("meng", "sptm")
             ]
-            note = f"meng, all worlds: {sum(shares) / 2:.1%}"
-            reports[name] = Report(name, 0, (0, 1), False, 1.0, rows, (note,))
+            share = Finding("meng, all worlds", sum(shares) / 2, form=SHARE)
+            reports[name] = Report(name, 0, (0, 1), False, 1.0, rows, findings=(share,))
     return Results(reports)
 
 

@@ -1,7 +1,7 @@
 """Tables of what was learned of a part of the drives, and of rules of reuse."""
 
 from tests.experiments.results_page.tables import cells, section
-from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.common.report import SHARE, Finding, Report
 from tutorial_lib.experiments.results_page import maps, navigation
 from tutorial_lib.experiments.results_page.maps import rules_of_reuse
 from tutorial_lib.experiments.results_page.navigation import chosen, composed_trials, map_sizes
@@ -15,16 +15,15 @@ from tutorial_lib.experiments.results_page.sources import (
     stored_as,
 )
 
-NOTES = (
-    "meng, all worlds: 91.0% (80.0% to 95.0%)",
-    "meng, composed: 81.0% (70.0% to 90.0%)",
-    "sptm, composed: 12.0% (5.0% to 20.0%)",
-    "random, composed: 3.0% (1.0% to 5.0%)",
-    "oracle, composed: 100.0% (100.0% to 100.0%)",
-    "meng - sptm, composed: +69.0 points (+60.0 to +75.0)",
-    "goals, composed: 82.0% are on some learned drive, as they look",
-    "best with --drives 0.2: p_edge 0.97, s_shortcut 0.995 (composed trials)",
-    "driven: 99.5% of the trials have a recorded drive past their start and then their goal",
+FINDINGS = (
+    Finding("meng, all worlds", 0.91, 0.8, 0.95, SHARE),
+    Finding("meng, composed", 0.81, 0.7, 0.9, SHARE),
+    Finding("sptm, composed", 0.12, 0.05, 0.2, SHARE),
+    Finding("random, composed", 0.03, 0.01, 0.05, SHARE),
+    Finding("oracle, composed", 1.0, 1.0, 1.0, SHARE),
+    Finding("meng - sptm, composed", 0.69, 0.6, 0.75),
+    Finding("goals on a learned drive, composed", 0.82, form=SHARE),
+    Finding("trials on a recorded drive past start and goal", 0.995, form=SHARE),
 )
 
 
@@ -52,7 +51,9 @@ ROWS = [
 def results(rows, *names):
     """Stored reports that all have those rows."""
     worlds = tuple(range(20_000, 20_010))
-    return Results({name: Report(name, 0, worlds, False, 1.0, rows, NOTES) for name in names})
+    return Results(
+        {name: Report(name, 0, worlds, False, 1.0, rows, findings=FINDINGS) for name in names}
+    )
 
 
 def test_success_in_composed_trials_stands_beside_that_in_driven_ones():
@@ -123,9 +124,13 @@ def test_thresholds_are_measured_for_each_part():
     title = "Table II: thresholds for a part of the drives"
     rows = [{"method": "meng", "threshold": 0.97, "replans": True, "vertices": 5, "edges": 6}]
     rows[0] |= {"wormholes": 0, "trials": 10, "success": 0.5, "success_composed": 0.25}
-    notes = tuple(f"best with --drives {drives}: p_edge 0.97" for drives in DRIVES)
-    reports = {name: Report(name, 0, (1,), False, 1.0, rows, notes) for name in names}
+    reports = {
+        name: Report(
+            name, 0, (1,), False, 1.0, rows, (f"best with --drives {drives}: p_edge 0.97",)
+        )
+        for drives, name in zip(DRIVES, names, strict=True)
+    }
     found = section(navigation, title, Results(reports))
     assert found.sources == names
-    assert "A tour: best p_edge 0.97." in found.text
+    assert "Best with --drives tour: p_edge 0.97." in found.text
     assert set(names) < set(COMMANDS)

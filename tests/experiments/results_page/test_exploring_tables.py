@@ -6,7 +6,7 @@ import pytest
 
 from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.common.report import CHANGE, Finding, Report
 from tutorial_lib.experiments.nts import second_visit
 from tutorial_lib.experiments.nts.scores import PAIRS, SCORES
 from tutorial_lib.experiments.results_page import exploring, speed
@@ -62,8 +62,9 @@ TABLE = [
 ]
 
 
-def results(name, rows, notes):
-    return Results({name: Report(name, 0, tuple(range(14)), False, 1.0, rows, tuple(notes))})
+def results(name, rows, notes=(), findings=()):
+    worlds = tuple(range(14))
+    return Results({name: Report(name, 0, worlds, False, 1.0, rows, tuple(notes), tuple(findings))})
 
 
 def text_of(title, found):
@@ -106,13 +107,13 @@ def test_the_best_agent_is_bold_and_bounds_take_no_part():
 
 def test_every_section_of_table1_has_its_differences():
     others = ("fbe", "ans_like", "nts_no_score", "nts_blind")
-    notes = [
-        f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
+    gaps = [
+        Finding(f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}", number / 100, form=CHANGE)
         for number, (agent, signs, level) in enumerate(product(others, SIGNS, LEVELS))
     ]
-    text = text_of("Table 1: image-goal navigation", results("nts_table1", TABLE, notes))
-    assert "| nearest frontier | wayfinding | +0.03 | +0.04 | +0.05 |" in text
-    assert "| NTS, scores blind to the goal | plain | +0.18 | +0.19 | +0.20 |" in text
+    text = text_of("Table 1: image-goal navigation", results("nts_table1", TABLE, findings=gaps))
+    assert "| nearest frontier | wayfinding | +0.030 | +0.040 | +0.050 |" in text
+    assert "| NTS, scores blind to the goal | plain | +0.180 | +0.190 | +0.200 |" in text
     assert "300 episodes of each difficulty" in text
 
 
@@ -122,10 +123,10 @@ def test_cars_stand_beside_round_robots():
         for row in TABLE
         if row["sensor"] == "rgbd" and row["agent"] in ("nts", "fbe")
     ]
-    both = results("nts_table1", TABLE, ()).reports
-    both |= results("nts_table1_car", cars, ("turned at their starts: 3 of 9 cars",)).reports
+    both = results("nts_table1", TABLE).reports
+    both |= results("nts_table1_car", cars, ("3 of 9 cars were turned at their starts",)).reports
     text = text_of("Table 1 with a car", Results(both))
-    assert "it was turned (3 of 9 cars)" in text
+    assert "3 of 9 cars were turned at their starts, where they did not fit" in text
     assert "| plain | NTS | 66.0% / 0.500 | 65.0% / 0.600 | 64.0% / 0.480 | 63.0%" in text
     assert "NTS in a car succeeds in 64.0% and the round robot in 63.0%" in text
     assert "(SPL 0.480 and 0.580)" in text
@@ -139,14 +140,14 @@ def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
         for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
         for level in (*LEVELS, "overall")
     ]
-    notes = [
-        f"{agent}, {signs}: {condition} - standard: +{number} points"
+    gains = [
+        Finding(f"{agent}, {signs}: {condition} - standard", number / 100)
         for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
         if condition != "standard"
     ]
-    text = text_of("Table 2: stopping and noise", results("nts_table2", rows, notes))
+    text = text_of("Table 2: stopping and noise", results("nts_table2", rows, findings=gains))
     for line in (
-        "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points |",
+        "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7.0 points | +8.0 points |",
         "| nearest frontier | the paper | 42% | 56% | 49% | +14.0 points | +7.0 points |",
         "| NTS | the paper | 63% | 75% | 64% | +12.0 points | +1.0 points |",
         "| metric map and RL | Part of the course's last notebook |  |  |  |  |  |",
@@ -164,7 +165,7 @@ def test_the_other_sections_read_their_reports():
         for signs in SIGNS
         for goals in range(1, 11)
     ]
-    text = text_of("Fig. 8: goals one after another", results("nts_fig8", rows, ()))
+    text = text_of("Fig. 8: goals one after another", results("nts_fig8", rows))
     ends = "-2.0 points (-30.0 to +10.0) | -20.0 points (-30.0 to +10.0) | +0.010 | +0.100 |"
     assert f"| NTS without a graph | plain | grows | {ends}" in text
     assert f"| NTS, random scores | wayfinding | shrinks | {ends}" in text
@@ -188,7 +189,7 @@ def test_the_other_sections_read_their_reports():
         for world, ghosts in (("20000", (4, 4)), ("20001", (3, 5)))
         for goal, ghost in zip(("kitchen", "bathroom"), ghosts, strict=True)
     ]
-    text = text_of("Figs. 3, 4, 9 and 10: examples", results("nts_figs", rows, ()))
+    text = text_of("Figs. 3, 4, 9 and 10: examples", results("nts_figs", rows))
     assert text.count("| office 20000 | kitchen | 4 | 5 | 7.2 m |") == 1
     assert "| office 20001 | kitchen | 3 | 5 | missed |" in text
     assert "Here they do in 1 of 2." in text
@@ -207,25 +208,25 @@ RULES = [
     for level in LEVELS
 ]
 RULE_GAPS = [
-    f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
+    Finding(f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}", number / 100, form=CHANGE)
     for number, (agent, signs, level) in enumerate(product([*exploring.RULES][1:], SIGNS, LEVELS))
 ]
 
 
 def with_rules(rows):
     """The stored reports, but that on the rules of the paper."""
-    found = results("nts_table1_rules", rows, RULE_GAPS)
+    found = results("nts_table1_rules", rows, findings=RULE_GAPS)
     return Results(load_results().reports | found.reports)
 
 
 def test_rules_of_the_paper_stand_beside_the_course_s():
     text = text_of("Rules of the paper", with_rules(RULES))
     course = "| the course's | plain | 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 |  |  |  |"
-    masked = "| 85.0% / 0.800 | 83.0% / 0.780 | 75.0% / 0.700 | +0.03 | +0.04 | +0.05 |"
+    masked = "| 85.0% / 0.800 | 83.0% / 0.780 | 75.0% / 0.700 | +0.030 | +0.040 | +0.050 |"
     assert course in text
     assert f"| F_S masked | wayfinding {masked}" in text
     assert "60% / 60% of the hard goals are found (plain / wayfinding), with one 80% / 80%" in text
-    assert "better on medium goals in plain worlds: +0.01." in text
+    assert "better on medium goals in plain worlds: +0.010." in text
 
 
 def test_rules_beyond_the_paper_keep_a_sentence():
@@ -244,7 +245,7 @@ def test_a_section_names_the_reports_that_may_be_damaged():
 def test_the_short_table_has_hard_goals_with_signs_and_without():
     rows = [row | {"success": row["success"] - 0.1 * (row["signs"] == "plain")} for row in TABLE]
     stored = load_results().reports
-    block = block_of(Results(stored | results("nts_table1", rows, ()).reports))
+    block = block_of(Results(stored | results("nts_table1", rows).reports))
     (line,) = [line for line in block.splitlines() if line.startswith("| a picture 5")]
     what, here, beside, paper = (cell.strip() for cell in line.strip("|").split(" | "))
     assert what.endswith("with signs / without: NTS")

@@ -80,9 +80,10 @@ def test_rows_that_are_missing_or_damaged_are_named_with_the_command(folder, cha
         page_of(load_results(folder))
 
 
-def test_a_note_that_is_missing_is_named_with_the_command(folder):
-    spoil(folder, "meng_fig9", lambda report: report["notes"].clear())
-    with pytest.raises(InputError, match=r"meng_fig9\.json: damaged.*experiment meng_fig9 "):
+@pytest.mark.parametrize(("name", "what"), [("meng_fig6", "notes"), ("meng_fig9", "findings")])
+def test_a_note_or_finding_that_is_missing_is_named_with_the_command(folder, name, what):
+    spoil(folder, name, lambda report: report[what].clear())
+    with pytest.raises(InputError, match=rf"{name}\.json: damaged.*experiment {name} "):
         page_of(load_results(folder))
 
 

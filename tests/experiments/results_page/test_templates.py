@@ -62,7 +62,7 @@ def test_a_mistake_in_a_template_is_named_with_its_line(chapter, text, message):
     [
         "{{ percent(row('plans').success) }}",
         "{{ rows('plans')[1].share }}",
-        "{{ note('plans', 'another note: ') }}",
+        "{{ finding('plans', 'another') }}",
         "{{ percent(row('plans', share=0.4).share) }}",
         "{{ count(note('plans')) }}",
     ],

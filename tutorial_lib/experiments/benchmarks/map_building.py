@@ -11,7 +11,7 @@ import numpy as np
 
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.report import NUMBER, Finding, Options, Rows
 from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_of
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
@@ -47,7 +47,7 @@ class Settings:
     sizes: tuple[int, ...] = (100, 300, 1_000, 3_000, 10_000)
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str | Finding]]:
     """Build one building's map both ways; then grow a map without reuse over many worlds."""
     first = options.worlds[0]
     building = make_building(first, options.seed, settings.places)
@@ -55,7 +55,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     anchors = list(sparsified(building))
     sparsifying = time.perf_counter() - begun
     rows: Rows = []
-    notes: list[str] = []
+    notes: list[str | Finding] = []
     for name, reuse in (("one building", MapSettings()), ("one building, no reuse", _NO_REUSE)):
         more = building_map(building, anchors, sparsifying, reuse, name)
         rows, notes = rows + more[0], notes + more[1]
@@ -68,7 +68,7 @@ def building_map(
     sparsifying: float,
     settings: MapSettings,
     name: str,
-) -> tuple[Rows, list[str]]:
+) -> tuple[Rows, list[str | Finding]]:
     """The map of one building with the index, and by comparing every pair.
 
     Args:
@@ -102,7 +102,7 @@ def building_map(
     rows[0]["recall"] = recall(trajectories, settings)
     frames = len(building.recorded.poses)
     total = sparsifying + each["indexed"].sum()
-    notes = [
+    notes: list[str | Finding] = [
         f"{name}: {frames:,} frames mapped in {total:.0f} s, of which sparsifying "
         f"{sparsifying:.0f} s",
         f"{name}, indexed: {rows[0]['queries'] / rows[1]['queries']:.1%} of the queries, "
@@ -110,7 +110,7 @@ def building_map(
     ]
     if len(trajectories) >= 90:
         late, early = (each["indexed"][at - 3 : at + 2].mean() for at in (88, 10))
-        notes.append(f"{name}: the 90th trajectory takes {late / early:.2f} times the 10th's time")
+        notes.append(Finding(f"{name}: 90th to 10th trajectory", float(late / early), form=NUMBER))
     return rows, notes
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -15,7 +15,7 @@ import joblib
 
 from tutorial_lib.course import cache_folder
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import ROUND, Options, Report, Rows
+from tutorial_lib.experiments.common.report import ROUND, Finding, Notes, Options, Report, Rows
 from tutorial_lib.parallel import resumable
 
 STANDARD = "standard"
@@ -45,7 +45,7 @@ class Experiment:
     Attributes:
         name: of its report; also of its command, unless it is an ablation.
         run: is given the options, with the seeds of the worlds to run on, and the settings;
-            returns rows and notes.
+            returns rows, and beside them findings and notes.
         worlds: seeds of the worlds to run on unless others are given. Where this is only one, the
             experiment runs in a single world; where it is none, it takes no worlds.
         quick_worlds: the same for a quick run; `worlds` unless given.
@@ -58,7 +58,7 @@ class Experiment:
     """
 
     name: str
-    run: Callable[[Options, Any], tuple[Rows, Sequence[str]]]
+    run: Callable[[Options, Any], tuple[Rows, Notes]]
     worlds: tuple[int, ...] = ()
     quick_worlds: tuple[int, ...] = ()
     settings: Any = None
@@ -86,16 +86,25 @@ class Experiment:
         # What lies in a file of one's own may change from one run to the next.
         own = options.agent or options.map is not None
         with nullcontext() if own else resumable(self._folder(asked, settings)):
-            rows, notes = self.run(asked, settings)
+            rows, beside = self.run(asked, settings)
         changed = {"odometry": "" if options.drifts else options.odometry}
         changed["palette"] = "" if options.palette == STANDARD else options.palette
         changed["region"] = ", ".join(f"{number:g}" for number in options.region or ())
         noted = ("family", "starts", "goals", "remedies")
         changed |= {name: getattr(options, name) for name in noted}
-        notes = [*notes, *(f"{name}: {value}" for name, value in changed.items() if value)]
-        took = time.perf_counter() - begun
+        findings = tuple(one for one in beside if isinstance(one, Finding))
+        notes = [one for one in beside if isinstance(one, str)]
+        notes += [f"{name}: {value}" for name, value in changed.items() if value]
         return Report(
-            self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
+            name=self.name,
+            seed=options.seed,
+            worlds=worlds,
+            quick=options.quick,
+            seconds=time.perf_counter() - begun,
+            rows=rows,
+            notes=tuple(notes),
+            findings=findings,
+            map=file,
         )
 
     def named(self, ablation: str) -> Experiment:

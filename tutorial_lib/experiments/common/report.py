@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,10 +17,55 @@ Rows = list[dict[str, Any]]
 """One for each line of the table; all have the same keys."""
 
 
+POINTS, SHARE, CHANGE, NUMBER, METRES = ("points", "share", "change", "number", "metres")
+FORMS = {POINTS: "{:+.1f}", SHARE: "{:.1%}", CHANGE: "{:+.3f}", NUMBER: "{:.3f}", METRES: "{:.1f}"}
+"""How a finding is written; points are hundredths."""
+_UNITS = {POINTS: " points", METRES: " m"}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A number that a run found beside its table; as text the number and its interval.
+
+    Attributes:
+        what: it is of, as in "meng - sptm, composed".
+        value: of it.
+        low: lower end of its 95 % interval; None where it has none.
+        high: upper end likewise.
+        form: how it is written: a difference of shares as `POINTS`, a share as `SHARE`, another
+            difference as `CHANGE`, any other value as `NUMBER` or in `METRES`.
+
+    >>> str(Finding("meng - sptm", 0.021, -0.004, 0.05))
+    '+2.1 points (-0.4 to +5.0)'
+    """
+
+    what: str
+    value: float
+    low: float | None = None
+    high: float | None = None
+    form: str = POINTS
+
+    @property
+    def line(self) -> str:
+        """What it is of, and the number."""
+        return f"{self.what}: {self}"
+
+    def __str__(self) -> str:
+        form, scale = FORMS[self.form], 100 if self.form == POINTS else 1
+        text = form.format(scale * self.value) + _UNITS.get(self.form, "")
+        if self.low is None or self.high is None:
+            return text
+        return f"{text} ({form.format(scale * self.low)} to {form.format(scale * self.high)})"
+
+
 class Fault(str):
     """A note that a class of the user's own failed, so that its rows are missing."""
 
     __slots__ = ()
+
+
+Notes = Sequence[str | Finding]
+"""What a run says beside its rows."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +127,7 @@ class Report:
         seconds: that the run took.
         rows: of the table.
         notes: to be read below the table.
+        findings: numbers beside the table.
         map: name of the map's file, if it ran on one.
         made_from: fingerprints of the networks and the code, and the canary, see `provenance`.
     """
@@ -93,6 +139,7 @@ class Report:
     seconds: float
     rows: Rows
     notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     map: str = ""
     made_from: Mapping[str, Any] = field(default_factory=dict)
 
@@ -100,6 +147,17 @@ class Report:
     def failed(self) -> bool:
         """Whether rows are missing since a class of the user's own failed."""
         return any(isinstance(note, Fault) for note in self.notes)
+
+    def finding(self, what: str) -> Finding:
+        """What it found of that name.
+
+        Raises:
+            LookupError: when it found nothing of the name.
+        """
+        found = {finding.what: finding for finding in self.findings}
+        if what not in found:
+            raise LookupError(f"its findings lack {what!r}")
+        return found[what]
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, in which a number that is not finite becomes None."""
@@ -112,6 +170,7 @@ class Report:
         widths = [max(len(line[i]) for line in cells) for i in range(len(keys))]
         lines = ["  ".join(c.rjust(w) for c, w in zip(line, widths, strict=True)) for line in cells]
         lines.insert(1, "  ".join("-" * width for width in widths))
+        lines += [finding.line for finding in self.findings]
         return "\n".join([*lines, *self.notes, f"({self.name}: {self.seconds:.0f} s)"])
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.common.report import FORMS, Finding, Report
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.validation import instance, path_of
 
@@ -28,7 +28,9 @@ def load_result(name: str, folder: Path = FOLDER) -> Report:
     text = read_json(path, "not a result; restore the file")
     try:
         _check(text)
-        return Report(**(text | {"worlds": tuple(text["worlds"]), "notes": tuple(text["notes"])}))
+        findings = tuple(Finding(**finding) for finding in text["findings"])
+        lists = {"worlds": tuple(text["worlds"]), "notes": tuple(text["notes"])}
+        return Report(**(text | lists | {"findings": findings}))
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a result ({error}); restore the file") from error
 
@@ -42,6 +44,7 @@ def _check(text: Any) -> None:  # noqa: ANN401 - anything JSON can hold
         "quick": isinstance(text["quick"], bool),
         "seconds": type(text["seconds"]) in (int, float) and 0 <= text["seconds"] < math.inf,
         "rows": _is_list(text["rows"], dict) and len(text["rows"]) > 0,
+        "findings": _is_list(text["findings"], dict) and all(map(_is_finding, text["findings"])),
         "notes": _is_list(text["notes"], str),
         "map": isinstance(text.get("map", ""), str),
         "made_from": isinstance(text.get("made_from", {}), dict),
@@ -55,6 +58,13 @@ def _check(text: Any) -> None:  # noqa: ANN401 - anything JSON can hold
         for key, value in row.items():
             if isinstance(value, float) and not math.isfinite(value):
                 raise InputError(f"rows[{number}].{key}: {value} is no number")
+
+
+def _is_finding(found: dict[str, Any]) -> bool:
+    """Whether its words and numbers can be those of a `Finding`."""
+    numbers = [found["value"], *(found[end] for end in ("low", "high") if found[end] is not None)]
+    said = isinstance(found["what"], str) and found["form"] in FORMS
+    return said and all(type(number) in (int, float) for number in numbers)
 
 
 def _is_list(value: object, kind: type) -> bool:

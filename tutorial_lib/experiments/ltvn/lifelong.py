@@ -19,8 +19,8 @@ from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.common.report import Finding, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.drives import TOUR, part_of
 from tutorial_lib.experiments.protocols.lifelong import (
     TrueModel,
@@ -110,7 +110,7 @@ class Lived:
     sizes: list[tuple[int, int, int]] | None = None
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Let every agent live in every building."""
     items = [(world, *agent) for world in options.worlds for agent in settings.agents]
     found = for_each(lived, items, options.seed, settings, label="ltvn_lifelong")
@@ -122,8 +122,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
             rows += _rows(
                 {"agent": name, "perception": perception, "family": family}, parts, worlds, settings
             )
-    notes = _notes(by, options, settings)
-    return rows, notes
+    return rows, _differences(by, options, settings)
 
 
 def families(worlds: tuple[int, ...]) -> dict[str, list[int]]:
@@ -245,9 +244,9 @@ def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: 
     return rows
 
 
-def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[str]:
-    """Paired differences: of LTVN's agent from the others, and of Meng's mended map from Meng's."""
-    notes = []
+def _differences(by: dict[Any, Lived], options: Options, settings: Settings) -> list[Finding]:
+    """Paired: of LTVN's agent from the others, and of Meng's mended map from Meng's."""
+    found = []
     half = min(settings.brief, settings.queries // 2)
     pairs = [((MENDING, other[1]), other) for other in settings.agents if other[0] != MENDING]
     pairs.append(((MENDING_MENG, NETWORK), (MENG, NETWORK)))
@@ -268,10 +267,9 @@ def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[s
                 )
                 units = np.repeat(worlds, [len(part) for part in mine])
                 gap = difference(np.concatenate(mine), np.concatenate(theirs), units)
-                notes.append(
-                    f"{family}, {words} queries, {other[1]}: {one[0]} - {other[0]} {in_points(gap)}"
-                )
-    return notes
+                what = f"{family}, {words} queries, {other[1]}: {one[0]} - {other[0]}"
+                found.append(Finding(what, *gap))
+    return found
 
 
 QUICK = Settings(

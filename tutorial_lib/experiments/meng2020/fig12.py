@@ -18,8 +18,8 @@ from tutorial_lib.agents.remedy_agent import RemedyAgent
 from tutorial_lib.agents.remedy_navigation import ENDLESS
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.common.report import Finding, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.meng2020 import fig12_localization
 from tutorial_lib.experiments.protocols.lookalikes import (
     TWINS,
@@ -83,14 +83,13 @@ class Attempt:
     wormholes: int
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Run the same trials with each choice of remedies, in every office."""
     names = (options.remedies,) if options.remedies else settings.remedies
     parts = for_each(run_world, options.worlds, options, settings, names, label="meng_fig12")
     world = np.repeat(np.arange(len(parts)), [len(part[names[0]].lost) for part in parts])
-    return [_row(name, [part[name] for part in parts], world) for name in names], _notes(
-        parts, names, world
-    )
+    rows = [_row(name, [part[name] for part in parts], world) for name in names]
+    return rows, _differences(parts, names, world)
 
 
 def run_world(
@@ -155,18 +154,18 @@ def _success(parts: list[Attempt]) -> NDArray[np.float64]:
     return np.concatenate([part.outcome.success for part in parts]).astype(float)
 
 
-def _notes(
+def _differences(
     parts: list[Mapping[str, Attempt]], names: tuple[str, ...], world: NDArray[np.intp]
-) -> list[str]:
+) -> list[Finding]:
     """What each remedy adds alone, and what is missing without it; paired differences."""
     success = {name: _success([part[name] for part in parts]) for name in names}
-    notes = []
+    found = []
     for name in names:
         whole = "all" if name.startswith("no_") else "none"
         if name != whole and whole in success:
-            found = difference(success[name], success[whole], world)
-            notes.append(f"{name} - {whole}: {in_points(found)}")
-    return notes
+            gap = difference(success[name], success[whole], world)
+            found.append(Finding(f"{name} - {whole}", *gap))
+    return found
 
 
 EXPERIMENT = Experiment(

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import in_points, measured_over_worlds
+from tutorial_lib.experiments.common.report import METRES, Finding, Options, Rows
+from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import NOISE, WORLDS
 from tutorial_lib.experiments.protocols.odometry import Odometry
@@ -44,7 +44,7 @@ class Settings:
 QUICK = Settings(thresholds=(0.9, 0.99), intervals=(10, 30), trajectories=10, noisy=())
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Follow the same trajectories by anchors chosen in every way."""
     parts = for_each(run_world, options.worlds, options, settings, label="meng_fig7")
     world = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))["length"]) for p in parts])
@@ -54,7 +54,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     }
     rows = [_row(key, columns, world) for key, columns in joined.items()]
     lengths = next(iter(joined.values()))["length"]
-    return rows, [f"mean length {lengths.mean():.1f} m", *_notes(joined, world)]
+    mean = Finding("mean length", float(lengths.mean()), form=METRES)
+    return rows, [mean, *_differences(joined, world)]
 
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[Key, dict[str, Array]]:
@@ -131,9 +132,9 @@ def _share(part: Array, whole: Array) -> float:
     return float(part.sum() / whole.sum())
 
 
-def _notes(joined: dict[Key, dict[str, Array]], world: NDArray[np.intp]) -> list[str]:
+def _differences(joined: dict[Key, dict[str, Array]], world: NDArray[np.intp]) -> list[Finding]:
     """Areas between the curves, and the loss by noise; in points."""
-    notes = []
+    found = []
     for context in dict.fromkeys(key[1] for key in joined):
         curves = {
             method: [
@@ -141,20 +142,20 @@ def _notes(joined: dict[Key, dict[str, Array]], world: NDArray[np.intp]) -> list
             ]
             for method in ("meng", "sptm")
         }
-        found = _between(curves["meng"], curves["sptm"], world)
-        notes.append(f"area between meng and sptm, {context}: {in_points(found)}")
+        area = _between(curves["meng"], curves["sptm"], world)
+        found.append(Finding(f"area between meng and sptm, {context}", *area))
     for key, noisy in joined.items():
         if key[2] == "noise":
             clean = joined[(*key[:2], "clean", key[3])]
-            found = measured_over_worlds(
+            loss = measured_over_worlds(
                 lambda a, b, length: _share(a - b, length),
                 world,
                 clean["covered"],
                 noisy["covered"],
                 clean["length"],
             )
-            notes.append(f"clean - noise, {key[1]} at {key[3]}: {in_points(found)}")
-    return notes
+            found.append(Finding(f"clean - noise, {key[1]} at {key[3]}", *loss))
+    return found
 
 
 def _between(

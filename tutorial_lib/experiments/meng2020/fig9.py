@@ -9,7 +9,7 @@ from scipy.stats import spearmanr
 
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.report import NUMBER, Finding, Options, Rows
 from tutorial_lib.experiments.common.statistics import wilson
 from tutorial_lib.experiments.protocols.navigation import ONE, K, experiences, goals_of, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -46,13 +46,13 @@ class Settings:
     trials: int = 220
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Start anywhere, plan, and follow the plan without replanning; first in validation worlds."""
     every = [*VALIDATION, *options.worlds]
     parts = for_each(run_world, every, options, settings, label="meng_fig9")
     known, unseen = np.hstack(parts[: len(VALIDATION)]), np.hstack(parts[len(VALIDATION) :])
     recalibrate = fit_isotonic(_logits(known[0]), known[1], _KNOTS)
-    rows, notes = [], []
+    rows, findings = [], []
     predictions = {False: unseen[0], True: recalibrate(_logits(unseen[0]))}
     for calibrated, probability in predictions.items():
         rows += _rows(calibrated, probability, unseen[1])
@@ -60,8 +60,9 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         rank = spearmanr(found.predicted, found.measured).statistic
         ece = reliability(probability, unseen[1]).ece
         which = "recalibrated" if calibrated else "product of RE"
-        notes.append(f"{which}: ECE {ece:.3f}, Spearman over {BINS} bins {rank:.2f}")
-    return rows, notes
+        findings.append(Finding(f"{which}, ECE", float(ece), form=NUMBER))
+        findings.append(Finding(f"{which}, Spearman over {BINS} bins", float(rank), form=NUMBER))
+    return rows, findings
 
 
 def run_world(world: int, options: Options, settings: Settings) -> Array:

@@ -9,8 +9,8 @@ import numpy as np
 
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.own import CUSTOM, or_fault
-from tutorial_lib.experiments.common.report import Fault, Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.common.report import Fault, Finding, Notes, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.meng2020 import table1_ablations, table1_smoothing
 from tutorial_lib.experiments.protocols.controllers import controllers, custom
 from tutorial_lib.experiments.protocols.local_control import (
@@ -54,7 +54,7 @@ class Settings:
     controllers: tuple[str, ...] | None = None
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     """Run all controllers on the same episodes.
 
     With `options.map` the only world is that file's, and there is no shifted palette.
@@ -71,7 +71,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
     results = _joined([found for found, _ in parts])
     if faults:
         results = {key: found for key, found in results.items() if key[0] != CUSTOM}
-    return [_row(results, *key) for key in results], (*_notes(results), *faults[:1])
+    return [_row(results, *key) for key in results], (*_differences(results), *faults[:1])
 
 
 def run_world(
@@ -137,8 +137,8 @@ def _row(results: Results, controller: str, condition: str) -> dict[str, Any]:
     return row
 
 
-def _notes(results: Results) -> tuple[str, ...]:
-    """Paired differences, in points."""
+def _differences(results: Results) -> list[Finding]:
+    """Paired, in points."""
     pairs = {
         "oracle - k5, clean": (("oracle", "clean"), ("k5", "clean")),
         "oracle - laser, clean": (("oracle", "clean"), ("laser", "clean")),
@@ -147,13 +147,13 @@ def _notes(results: Results) -> tuple[str, ...]:
         "k5: clean - noise": (("k5", "clean"), ("k5", "noise")),
         "k5: clean - shifted": (("k5", "clean"), ("k5", "shifted")),
     }
-    notes = []
+    found = []
     for what, (first, second) in pairs.items():
         if first in results and second in results:
             one, other = results[first], results[second]
-            found = difference(one["reached"], other["reached"], one["world"])
-            notes.append(f"{what}: {in_points(found)}")
-    return tuple(notes)
+            gap = difference(one["reached"], other["reached"], one["world"])
+            found.append(Finding(what, *gap))
+    return found
 
 
 EXPERIMENT = Experiment(

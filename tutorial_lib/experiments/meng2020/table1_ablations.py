@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.common.report import Finding, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.local_control import WORLDS, attempt, clean_condition
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
@@ -76,7 +76,9 @@ ABLATIONS = {
 }
 
 
-def run(recipes: dict[str, Recipe], options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(
+    recipes: dict[str, Recipe], options: Options, settings: Settings
+) -> tuple[Rows, list[Finding]]:
     """Train every variant and run the clean episodes of Table I with it."""
     worlds, count = options.worlds, settings.episodes
     variants = list(recipes.values())
@@ -107,11 +109,10 @@ def run(recipes: dict[str, Recipe], options: Options, settings: Settings) -> tup
             }
         )
     first, *others = zip(recipes, outcomes, strict=True)
-    notes = [
-        f"{first[0]} - {other}: " + in_points(difference(first[1], reached, world))
+    return rows, [
+        Finding(f"{first[0]} - {other}", *difference(first[1], reached, world))
         for other, reached in others
     ]
-    return rows, notes
 
 
 def _shortened(recipe: Recipe, steps: int) -> Recipe:

@@ -9,8 +9,8 @@ import numpy as np
 
 from tutorial_lib.driving.control.smoothed import SHARE
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.common.report import Finding, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
 from tutorial_lib.experiments.protocols.local_control import WORLDS, attempt, clean_condition
 from tutorial_lib.geometry import Array
@@ -36,7 +36,7 @@ class Settings:
     map_episodes: int = 200
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Run the clean episodes of Table I with each controller, smoothed and not.
 
     With `options.map` the only world is that file's.
@@ -46,7 +46,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         places, settings = [options.map], replace(settings, episodes=settings.map_episodes)
     parts = for_each(run_world, places, options, settings, label="smoothing")
     rows: Rows = []
-    notes = []
+    gains = []
     first, *others = settings.shares
     for name in settings.controllers:
         worlds = np.repeat(np.arange(len(parts)), [len(part[name, first]) for part in parts])
@@ -56,8 +56,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
             rows.append({"controller": name, "share": share, "episodes": len(found), **row})
         for share in others:
             gain = difference(reached[share], reached[first], worlds)
-            notes.append(f"{name}: {share:g} - {first:g}: {in_points(gain)}")
-    return rows, notes
+            gains.append(Finding(f"{name}: {share:g} - {first:g}", *gain))
+    return rows, gains
 
 
 def run_world(

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
 from tutorial_lib.experiments.common.own import CUSTOM
-from tutorial_lib.experiments.common.report import Fault, Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
+from tutorial_lib.experiments.common.report import SHARE, Fault, Finding, Notes, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_goal_images, table2_thresholds
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
 from tutorial_lib.experiments.protocols.drives import (
@@ -91,7 +91,7 @@ class InWorld:
     passed: NDArray[np.bool_]
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     """Let every agent learn every world, and run the same trials with each."""
     if options.agent and options.quick and not options.drives:
         options = replace(options, drives=QUICK_DRIVES)
@@ -207,7 +207,7 @@ def _share(success: NDArray[np.bool_]) -> float | None:
     return float(success.mean()) if len(success) else None
 
 
-def _notes(parts: Sequence[InWorld], drives: str) -> list[str]:
+def _notes(parts: Sequence[InWorld], drives: str) -> list[str | Finding]:
     """Success in all worlds together, and paired differences; of composed trials apart."""
     world = np.repeat(np.arange(len(parts)), [len(part.driven) for part in parts])
     success = {
@@ -217,16 +217,15 @@ def _notes(parts: Sequence[InWorld], drives: str) -> list[str]:
     }
     every = np.ones(len(world), dtype=bool)
     composed = ~np.concatenate([part.driven for part in parts])
-    notes = _compared(success, world, every, EVERY)
+    notes: list[str | Finding] = [*_compared(success, world, every, EVERY)]
     if drives and composed.any():
         notes += _compared(success, world, composed, COMPOSED)
         passed = np.concatenate([part.passed for part in parts])[composed].mean()
-        notes.append(f"goals, {COMPOSED}: {passed:.1%} are on some learned drive, as they look")
+        notes.append(Finding(f"goals on a learned drive, {COMPOSED}", float(passed), form=SHARE))
     elif not drives:
-        notes.append(
-            f"driven: {1 - composed.mean():.1%} of the trials have a recorded drive past their "
-            "start and then their goal; composing drives is hardly tested (--drives)"
-        )
+        driven = float(1 - composed.mean())
+        notes.append(Finding("trials on a recorded drive past start and goal", driven, form=SHARE))
+        notes.append("these trials hardly test composing drives (--drives)")
     for name in [one for one in ("meng", "sptm") if one in success]:
         edges, holes = (
             sum(getattr(part.results[name], what) for part in parts)
@@ -238,17 +237,16 @@ def _notes(parts: Sequence[InWorld], drives: str) -> list[str]:
 
 def _compared(
     success: dict[str, Any], world: NDArray[np.intp], kept: NDArray[np.bool_], which: str
-) -> list[str]:
+) -> list[Finding]:
     """Success of each method in the trials that are `kept`, and Meng's less each other's."""
-    notes, world = [], world[kept]
+    found, world = [], world[kept]
     part = "" if which == EVERY else f", {which}"
     for name, values in success.items():
-        share, low, high = over_worlds(values[kept], world)
-        notes.append(f"{name}, {which}: {share:.1%} ({low:.1%} to {high:.1%})")
+        found.append(Finding(f"{name}, {which}", *over_worlds(values[kept], world), form=SHARE))
     for name in [other for other in success if other != "meng"] if "meng" in success else []:
-        found = difference(success["meng"][kept], success[name][kept], world)
-        notes.append(f"meng - {name}{part}: {in_points(found)}")
-    return notes
+        gap = difference(success["meng"][kept], success[name][kept], world)
+        found.append(Finding(f"meng - {name}{part}", *gap))
+    return found
 
 
 EXPERIMENT = Experiment(

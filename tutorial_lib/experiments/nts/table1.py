@@ -14,7 +14,15 @@ from tutorial_lib.experiments.common.explorers import (
     own_explorer,
 )
 from tutorial_lib.experiments.common.own import CUSTOM, or_fault
-from tutorial_lib.experiments.common.report import CAR, Fault, Options, Rows
+from tutorial_lib.experiments.common.report import (
+    CAR,
+    CHANGE,
+    Fault,
+    Finding,
+    Notes,
+    Options,
+    Rows,
+)
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
     VALIDATION,
@@ -63,7 +71,7 @@ class Settings:
     geometry: bool = False
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     """Run all agents on the same episodes.
 
     Raises:
@@ -81,7 +89,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     faults = [part for part in found.values() if isinstance(part, Fault)]
     results = {key: part for key, part in found.items() if not isinstance(part, Fault)}
     rows = [row for key, part in results.items() for row in _rows(key, part, options.body)]
-    return rows, [*_notes(results), *_turned(results), *faults[:1]]
+    return rows, [*_differences(results), *_turned(results), *faults[:1]]
 
 
 def run_world(
@@ -117,12 +125,12 @@ def _rows(key: Key, found: dict[str, Array], body: str) -> Rows:
     return rows
 
 
-def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
-    """Paired differences in SPL on the same episodes.
+def _differences(results: dict[Key, dict[str, Array]]) -> list[Finding]:
+    """Paired, in SPL on the same episodes.
 
     The course's NTS minus others with its sensor, and minus itself without depth.
     """
-    notes = []
+    found = []
     for (agent, sensor, signs), other in results.items():
         own = "rgbd" if agent == "nts" else sensor
         mine = results.get(("nts", own, signs))
@@ -131,16 +139,15 @@ def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
         for number, difficulty in enumerate(DIFFICULTIES):
             rows = mine["difficulty"] == number
             gap = difference(mine["spl"][rows], other["spl"][rows], mine["world"][rows])
-            mean, low, high = (f"{value:+.3f}" for value in gap)
-            what = f"nts ({own}) - {agent} ({sensor}), {signs}, {difficulty}"
-            notes.append(f"SPL, {what}: {mean} ({low} to {high})")
-    return notes
+            what = f"SPL, nts ({own}) - {agent} ({sensor}), {signs}, {difficulty}"
+            found.append(Finding(what, *gap, form=CHANGE))
+    return found
 
 
 def _turned(results: dict[Key, dict[str, Array]]) -> list[str]:
     """How many cars did not fit into their starts as they stood there."""
     found = [part["turned"] for part in results.values() if "turned" in part][:1]
-    return [f"turned at their starts: {int(one.sum())} of {len(one)} cars" for one in found]
+    return [f"{int(one.sum())} of {len(one)} cars were turned at their starts" for one in found]
 
 
 _RULES = Experiment(

@@ -7,8 +7,8 @@ from typing import Any
 
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import check_shipped
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import difference, in_points
+from tutorial_lib.experiments.common.report import Finding, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
     WORLDS,
     Key,
@@ -68,7 +68,7 @@ class Settings:
     geometry: bool = False
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Run the agents under all conditions on the same episodes.
 
     Raises:
@@ -78,7 +78,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         check_shipped(settings.agents, "rgbd")
     results = in_all_worlds(run_world, options, settings, label="nts_table2")
     rows = [row for key, found in results.items() for row in _rows(key, found)]
-    return rows, _notes(results)
+    return rows, _gains(results)
 
 
 def run_world(
@@ -108,15 +108,15 @@ def _rows(key: Key, found: dict[str, Array]) -> Rows:
     return rows
 
 
-def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
+def _gains(results: dict[Key, dict[str, Array]]) -> list[Finding]:
     """What an agent gains where a difficulty is taken away, on the same episodes."""
-    notes = []
+    gains = []
     for (agent, signs, condition), found in results.items():
         if condition != "standard":
             usual = results[agent, signs, "standard"]
             gain = difference(found["success"], usual["success"], usual["world"])
-            notes.append(f"{agent}, {signs}: {condition} - standard: {in_points(gain)}")
-    return notes
+            gains.append(Finding(f"{agent}, {signs}: {condition} - standard", *gain))
+    return gains
 
 
 _GEOMETRY = Experiment(

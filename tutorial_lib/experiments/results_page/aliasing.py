@@ -56,8 +56,8 @@ def success_by_remedy(results: Results) -> str:
         whole = "all" if name.startswith("no_") else "none"
         if name == whole:
             return ""
-        gap = results.note("meng_fig12", f"{name} - {whole}: ")
-        return f"{gap.replace(' points', '')} against *{whole}*"
+        gap = results.finding("meng_fig12", f"{name} - {whole}")
+        return f"{_number(str(gap))} against *{whole}*"
 
     return listing(
         named(results.rows("meng_fig12"), "remedy", NAMES),
@@ -96,7 +96,7 @@ def success_elsewhere(results: Results) -> str:
             [
                 learned,
                 str(results.worlds(names[0])),
-                *(results.note(name, "meng, all worlds: ") for name in names),
+                *(str(results.finding(name, "meng, all worlds")) for name in names),
                 _number(in_points(difference(after, before, range(len(gaps))))),
                 f"{_number(points(min(gaps)))} to {_number(points(max(gaps)))}",
             ]

@@ -132,9 +132,9 @@ def in_time(rows: Rows, signs: str) -> str:
 def spl_gap(
     results: Results, agent: str, signs: str, difficulty: str, report: str = "nts_table1"
 ) -> str:
-    """The paired difference in SPL of NTS to another agent with depth, as its report says it."""
-    what = f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {difficulty}: "
-    return results.note(report, what)
+    """The paired difference in SPL of NTS to another agent with depth, as its report has it."""
+    what = f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {difficulty}"
+    return str(results.finding(report, what))
 
 
 def spl_gaps(results: Results) -> str:
@@ -188,7 +188,7 @@ def stop_and_noise(results: Results) -> str:
 
 def gain_without(results: Results, agent: str, signs: str, condition: str) -> str:
     """What an agent gains without stopping or noise, as the report on Table 2 says it."""
-    return results.note("nts_table2", f"{agent}, {signs}: {condition} - standard: ")
+    return str(results.finding("nts_table2", f"{agent}, {signs}: {condition} - standard"))
 
 
 def sequences(rows: Rows) -> str:

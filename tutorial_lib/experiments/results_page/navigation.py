@@ -140,10 +140,10 @@ def composed_trials(results: Results, names: Mapping[str, str]) -> str:
             [
                 label,
                 f"{sum(column(rows, 'trials_composed')):,}",
-                *(results.note(name, f"{method}, composed: ") for method in METHODS),
-                results.note(name, "meng - sptm, composed: "),
+                *(str(results.finding(name, f"{method}, composed")) for method in METHODS),
+                str(results.finding(name, "meng - sptm, composed")),
                 percent(sure / sum(trials)) if sum(trials) else "",
-                results.note(name, "goals, composed: ").split(" ")[0],
+                str(results.finding(name, "goals on a learned drive, composed")),
             ]
         )
     head = ["learned", "trials", *METHODS.values(), "Meng - SPTM", "Meng, driven", "goals passed"]

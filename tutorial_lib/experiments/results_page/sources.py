@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import Report, Rows
+from tutorial_lib.experiments.common.report import Finding, Report, Rows
 from tutorial_lib.experiments.common.results import FOLDER, load_result
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
 from tutorial_lib.experiments.protocols.navigation import CLIP, ONE
@@ -161,14 +161,25 @@ class Results:
         """The number of worlds of a report."""
         return len(self.report(name).worlds)
 
-    def note(self, name: str, beginning: str = "") -> str:
-        """What the first note of a report that begins with those words says behind them."""
-        notes = [note for note in self.notes(name) if note.startswith(beginning)]
-        return notes[0].removeprefix(beginning)
+    def finding(self, name: str, what: str) -> Finding:
+        """What a report found beside its rows.
 
-    def notes(self, name: str) -> tuple[str, ...]:
-        """All notes of a report."""
-        return self.report(name).notes
+        Raises:
+            LookupError: when it found nothing of that name.
+        """
+        return self.report(name).finding(what)
+
+    def findings(self, name: str) -> tuple[Finding, ...]:
+        """All that a report found beside its rows."""
+        return self.report(name).findings
+
+    def note(self, name: str) -> str:
+        """The first note of a report.
+
+        Raises:
+            LookupError: when it has none.
+        """
+        return self.report(name).notes[0]
 
 
 def goal_words(rows: Rows) -> str:

@@ -86,7 +86,7 @@ def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
     file = f"{name}.md.j2"
     asked = (
         *(results.rows, results.row, results.success, results.on_maps, results.on_each_map),
-        *(results.note, results.notes, results.worlds),
+        *(results.finding, results.findings, results.note, results.worlds),
     )
     given = {method.__name__: method for method in asked} | {"results": results} | more
     try:
