@@ -5,7 +5,7 @@
 #
 # In a minute the robot will drive there, once, by magic. Then the magic's gone, and over ten notebooks you'll build it yourself.
 #
-# **Ten minutes, and no code to write.** Click the first cell, and press *Shift + Enter* repeatedly. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
+# **15 minutes.** No code to write: click the first cell, and press *Shift + Enter* repeatedly. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
 
 # %%
 from tutorial_lib.checks.nb00 import check_environment
@@ -263,7 +263,7 @@ wheels = Prediction(
     "the errors push the other way.",
     before=stacked([path], ["There, back, and there again"]),
     after=side_by_side(
-        [thought, from_figure(figure)], ["blue: driven; black: thought", "the error grows"]
+        [thought, from_figure(figure)], ["blue: driven; black: by odometry", "the error grows"]
     ),
 )
 display(wheels)
@@ -319,7 +319,7 @@ while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.second
         times.append(simulation.seconds)
 
 print(f"arrived after {simulation.seconds:.0f} s; collided: {simulation.collided[0]}")
-print("the film runs four times as fast")
+print("the film runs at four times real speed")
 play(frames, 4, times)
 
 # %% [markdown]
@@ -345,7 +345,7 @@ sliders(
 # Has a real robot mapped your lab? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, plus a small text file. The next cell makes such a map, of three rooms and a corridor, and imports it as it would yours. The walls' colours are random.
 
 # %% hidden=true
-# Make a ROS map, import it, and look into it
+# Make a ROS map, import it, and look around in it
 drawing = np.full((160, 240), 254, np.uint8)  # 254: free floor
 cv2.rectangle(drawing, (4, 4), (235, 155), 0, 5)  # 0: walls around
 cv2.line(drawing, (4, 90), (235, 90), 0, 5)  # above it rooms, below it a corridor

@@ -82,7 +82,7 @@ def draw_turn(told):
 turn = Prediction(
     "01",
     "turn",
-    "How wide must a hallway be, for the car to turn round in one go?",
+    "How wide must a hallway be for the car to turn round in one go?",
     {"A": "about 1.25 m", "B": "about 1.6 m", "C": "about 2 m"},
     right="B",
     robot=f"it needs {needed:.2f} m, and your hallway has {WIDE:.2f} m. It stops, backs up, and "
@@ -96,7 +96,7 @@ turn = Prediction(
 display(turn)
 
 # %% [markdown]
-# **90 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You can skip folded code. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
+# **100 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You can skip folded code. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
 #
 # **Three old questions first.**
 #
@@ -174,7 +174,7 @@ frame = Prediction(
     right="C",
     robot=f"it has point 4 at ({local[4, 0]:.1f}, {local[4, 1]:.1f}): behind it, on its left.",
     tempting="B",
-    because="on the page it lies to the left, and lower. But the robot looks up to the left: point "
+    because="on the page it lies to the left, and lower. But the robot faces the upper left: point "
     f"3 is at ({local[3, 0]:.1f}, {local[3, 1]:.1f}), nearly straight to its left.",
     before=draw_points(world),
     after=draw_points(world, (np.zeros(3), local, "in the robot's frame")),
@@ -340,7 +340,7 @@ def turning_circle(steering_angle, speed):
     figure.legend(loc="outside lower center", ncols=3, fontsize=10)
     circle = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
     width = np.ptp(corner[:, 1]) if steering_angle else 0.24
-    text = f"radius {circle:.2f} m; the outer corner sweeps over {width:.2f} m across the hallway"
+    text = f"radius {circle:.2f} m; the outer corner sweeps {width:.2f} m across the hallway"
     return from_figure(figure), text
 
 
@@ -421,13 +421,13 @@ contact = Prediction(
     "01",
     "contact",
     "Paler is earlier. Which car moves farthest after the first contact?",
-    {"A": "the one with a wall ahead", "B": "the one at an angle", "C": "the one that stands"},
+    {"A": "the one with a wall ahead", "B": "the one at an angle", "C": "the one standing still"},
     right="B",
     robot=f"at an angle, the car scrapes along for {rows[1][3]:.2f} m. The person pushes the third "
     f"{rows[2][3]:.2f} m, and the car with a wall ahead moves {rows[0][3]:.2f} m.",
     tempting="C",
     because="it's the one without a wall in its way. But it goes only as far as the person walks, "
-    "and the part of a velocity along a wall is never taken away.",
+    "and a wall never takes away the part of a velocity that runs along it.",
     before=draw_contacts(False),
     after=draw_contacts(True),
 )
@@ -502,7 +502,8 @@ def draw_cloud(told):
 cloud = Prediction(
     "01",
     "cloud",
-    "Next we plot each car's odometry error at the end, seen from that car. What cloud comes out?",
+    "Next we plot each car's odometry error at the end, seen from that car. What will that "
+    "cloud look like?",
     {
         "A": "as large as this cloud",
         "B": "smaller, and longer ahead than across",
@@ -715,8 +716,8 @@ alike = Prediction(
     robot=f"it subtracts. 2 and 4 differ by {unlike[1, 3]:.0f} grey levels on average, 3 and 4 by "
     f"{unlike[2, 3]:.0f}, 6 and 7 by {unlike[5, 6]:.0f}.",
     tempting="C",
-    because="3 and 4 look along one hallway. But a wall that's nearer covers other pixels, and "
-    "pixels are all that's compared.",
+    because="3 and 4 look along the same hallway. But a wall that's nearer covers other pixels, "
+    "and pixels are all that's compared.",
     before=side_by_side([picture, *columns], gap=8),
 )
 print(f"a trajectory of {arc_length(np.array(track))[-1]:.1f} m")

@@ -456,7 +456,7 @@ post = Prediction(
     "post",
     "The obstacles push five times as hard as usual, but with a weight of zero. What happens?",
     {
-        "A": "the car keeps far off the doorpost",
+        "A": "the car keeps well clear of the doorpost",
         "B": "the car hits the doorpost",
         "C": "the car stops before the door",
     },
@@ -571,10 +571,10 @@ corner = Prediction(
     {
         "A": "at the target: it takes the door",
         "B": "in the hallway, beside the wall",
-        "C": "at the first doorpost, collided",
+        "C": "against the first doorpost: it collides",
     },
     right="B",
-    robot=f"its time is up. It stands {short:.1f} m from the target, and a wall is in between.",
+    robot=f"its time is up. It stands {short:.1f} m from the target, with a wall in between.",
     tempting="A",
     because="you see the door. But the policies look at the target and at the nearest walls, and "
     "nothing in them looks for a way round.",
@@ -699,7 +699,7 @@ labels = Prediction(
     robot=f"it gets points {min(along):.1f} m to {max(along):.1f} m along the drive, and the target is "
     f"at {arc_length(stretch)[-1]:.1f} m.",
     tempting="B",
-    because="the doorpost is the same for all. But from farther off, one sees farther round it.",
+    because="the doorpost is the same for all. But from farther off, you see farther round it.",
     before=draw_starts(False),
     after=draw_starts(True),
 )
@@ -1183,7 +1183,7 @@ show(side_by_side([camera_picture(image, 180) for image in images], names, gap=6
 # With context your robot misses few targets. So we make it harder, with single images, $k = 0$: 100 episodes at home and, on a field trip, 100 in a maze. Here are three from home.
 
 # %% hidden=true
-# 200 episodes by single images, and three of them (about 5 s)
+# 200 episodes with single images, and three of them (about 5 s)
 maze_world = local_world(10_006)
 maze = scene_of(maze_world)
 maze_drives = demonstrate(maze_world, maze, 24, seed=0, controller=RMPController())
@@ -1260,7 +1260,7 @@ wont = Prediction(
     "In two of these the robot arrives. In which doesn't it?",
     {"A": "pair A", "B": "pair B", "C": "pair C"},
     right="B",
-    robot=f"it sets off three times, and each time just as surely. In B it comes no closer than "
+    robot=f"it sets off all three times, as sure as ever. In B it comes no closer than "
     f"{three[1]['near']:.1f} m, and drives until its time is up.",
     tempting="A",
     because="that photo was taken behind the car. But the two images have walls in common, and so "

@@ -295,7 +295,7 @@ fan = Prediction(
     f"starts that see the target's place, and from {through[outside & ~in_view].sum()} of the "
     f"{(outside & ~in_view).sum()} others.",
     tempting="C",
-    because="they're all within three metres. But where there's nothing of the room in its image, "
+    because="they're all within three metres. But where its image shows nothing of the room, "
     "the car has nothing to drive to.",
     before=side_by_side(
         [side_by_side([nothing], height=400), photo(recorded.poses[door])],
@@ -458,7 +458,7 @@ def rollout_labels(times, gaps, touched, geodesic):
     from each car to its target. touched: (T, N) whether a car touches
     something at that moment. geodesic: (N,) metres of the shortest path. Near
     is at most 0.30 m; in time is at most geodesic / 0.3 + 5 seconds; a touch
-    in the very moment of arrival counts.
+    at the very moment of arrival counts.
     Returns an array of labels (N,), 1 or 0.
     """
     ### BEGIN SOLUTION
@@ -546,7 +546,7 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 def reach_loss(logits, labels, weights):
     """The weighted mean of the cross-entropy.
 
-    logits: (N,) any numbers, 1000 too. labels: (N,) from 0 to 1. weights: (N,)
+    logits: (N,) any, even 1000. labels: (N,) from 0 to 1. weights: (N,)
     0 or greater, not all 0. Returns one number: the sum of weight times loss
     over the sum of the weights.
     """
@@ -595,7 +595,7 @@ def draw_losses(names):
 ten_drives = Prediction(
     "03",
     "ten_drives",
-    "And with another loss, the absolute error |p - y|: which p would be the cheapest?",
+    "And with another loss, the absolute error |p - y|: which p would be cheapest?",
     {"A": "0.5", "B": "0.7", "C": "1"},
     right="C",
     robot="it would say 1, and call seven of ten a sure thing. A step of 0.1 upwards saves 0.1 "
@@ -732,7 +732,7 @@ new_house = Prediction(
     "And in the ring of corridors, where it wasn't trained: where will the points lie?",
     {
         "A": "on the diagonal, as here",
-        "B": "below it where it says yes, above it where it says no",
+        "B": "below the diagonal where it says yes, above where it says no",
         "C": "above it everywhere",
     },
     right="B",
@@ -827,7 +827,7 @@ perfect = [
 best = {"AUC": max, "ECE": min, "Brier": min, "log loss": min}
 words = f"{len(reached)} rollouts in the {TEST[0]}, of which {reached.mean():.1%} arrived"
 display(table({"": "", **dict.fromkeys(best, ".3f")}, rows, best, words))
-print(f"exact probabilities would have an ECE of about {np.mean(perfect):.3f} here, by chance")
+print(f"even exact probabilities would have an ECE of about {np.mean(perfect):.3f} here, by chance")
 show(from_figure(figure))
 
 # %% [markdown]
@@ -899,7 +899,7 @@ def a_million_pairs(*groups):
 holes = Prediction(
     "03",
     "holes",
-    "The map takes each pair that the estimator accepts. What share of its edges are wormholes?",
+    "The map takes every pair that the estimator accepts. What share of its edges are wormholes?",
     {"A": "one in a thousand", "B": "one in thirty", "C": "one in three"},
     right="C",
     robot="it accepts the 2,000 real pairs, and of the 998,000 others one in a thousand: 998.",
@@ -1069,7 +1069,7 @@ words = f"the office: {office.far_and_occluded.sum():,} far, occluded pairs, and
 table(headings, lines, best, words)
 
 # %% [markdown]
-# The second network falls for far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
+# The second network is sure of far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
 #
 # So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs in your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count arrivals.
 

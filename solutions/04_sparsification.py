@@ -128,11 +128,12 @@ def six_plans(told):
 six = Prediction(
     "04",
     "six",
-    "The robot keeps six, each with a second and a half before and after. Which six bring it there?",
+    "The robot keeps six images, each with a second and a half before and after it. Which six get "
+    "it there?",
     {"A": "one about every 3.5 m", "B": "one before each door", "C": "a long gap first"},
     right="B",
-    robot=f"with A it gets {six_metres[0]:.0f} of {arc[-1]:.0f} m, with B {six_metres[1]:.0f}, with "
-    f"C {six_metres[2]:.0f}. Where a track is vermilion, its image is out of sight.",
+    robot=f"with A it covers {six_metres[0]:.0f} of {arc[-1]:.0f} m, with B {six_metres[1]:.0f}, "
+    f"with C {six_metres[2]:.0f}. Where a track is vermilion, its image is out of sight.",
     tempting="A",
     because="no gap is long. But 9 looks across the living room, and 18 lies behind the door. Just "
     "before a door, an image shows what's behind it.",
@@ -649,7 +650,8 @@ def waypoint_picture(robot, told):
 carrot = Prediction(
     "04",
     "carrot",
-    "Each step it heads for 1 m ahead and 0.6 m to the left. The ring marks where that was first.",
+    "At each step it heads for a point 1 m ahead and 0.6 m to the left. The ring marks where that "
+    "point was at first. What happens?",
     {
         "A": "it stops at the ring",
         "B": "it drives on and on",
@@ -688,7 +690,7 @@ near = view.plain.copy()
 view.polyline(near, after[:, :2], colours.LASER, 4)
 view.robot(near, after[-1], car.footprint)
 near = side_by_side([closeup(view, near, after[:, :2], 1.2, square=True)], height=300)
-words = f"{len(after) * STEP:.0f} s later: it still waits"
+words = f"{len(after) * STEP:.0f} s later: it's still waiting"
 show(side_by_side([plan, near], ["blue: carried off; black: put down", words], gap=10))
 
 # %% [markdown]
@@ -986,7 +988,10 @@ by_rule = next(
 league = League(
     "04",
     {"images": "d", "of the way, %": ".0f", "score": ".1f"},
-    {"evenly spaced": score_images(even), "your rule, as strict as it can": score_images(by_rule)},
+    {
+        "evenly spaced": score_images(even),
+        "your rule, as strict as it can be": score_images(by_rule),
+    },
 )
 
 # %% hidden=true
@@ -1011,7 +1016,8 @@ else:
 # Cover rate against sparsity, from a stored run
 fig7 = load_result("meng_fig7")
 clean = [row for row in fig7.rows if row["condition"] == "clean"]
-print(f"{len(fig7.worlds)} unseen worlds, {clean[0]['trajectories']} trajectories, {fig7.notes[0]}")
+count, length = clean[0]["trajectories"], fig7.finding("mean length")
+print(f"{len(fig7.worlds)} unseen worlds, {count} trajectories of {length} on average")
 show(cover_chart(clean, "sparsity", 8.0))
 
 # %% [markdown]
@@ -1029,7 +1035,7 @@ show(cover_chart(clean, "sparsity", 8.0))
 # **Second sitting.** No network has seen the flat down the road, where 24 drives were recorded. Their anchors, built at 0.95, are sparser than yours, so that more goes wrong. *Random* drives to random points, and the *oracle* knows its pose and the drive. Watch how far the library's follower closes the gap between yours and the oracle.
 
 # %% hidden=true
-# Follow 24 drives at random, by you, by the library, and by an oracle (about 30 s)
+# 24 drives, followed at random, by you, by the library and by an oracle (about 30 s)
 TRIP = local_world(10_004)
 trip_scene = scene_of(TRIP)
 drives = demonstrate(TRIP, trip_scene, 24, seed=0, controller=RMPController())
@@ -1097,7 +1103,7 @@ table({"": "", "cover rate": ".1%"}, rows)
 # The oracle shows that the *car* can cover nearly every metre, so the body isn't what holds the others back. Here's the drive on which yours and the library's [follower](../tutorial_lib/topology/following/follower.py) differ most.
 
 # %% hidden=true
-# The drive on which both differ most
+# The drive on which the two differ most
 differ = (metres - metres_of(your_track)).argmax()
 first, last = spans[differ]
 both = np.concatenate([your_track[:, differ, :2], library_track[:, differ, :2]])
@@ -1294,15 +1300,15 @@ for axis, column, name in zip(axes, (1, 2), ("clearance, m", "turn, degrees"), s
     for low, high in pairwise(np.quantile(gaps[:, column], np.linspace(0, 1, 5))):
         mean = gaps[(gaps[:, column] >= low) & (gaps[:, column] <= high), 0].mean()
         axis.plot([low, high], [mean, mean], color=colours.unit(colours.INK))
-    axis.set(xlabel=f"{name}, on the next metre", ylim=(0, None))
+    axis.set(xlabel=f"{name}, over the next metre", ylim=(0, None))
 axes[0].set_ylabel("metres to the next anchor")
-under_way = {"on the next metre": gaps[~starting], "over the whole gap": whole[~starting]}
+under_way = {"over the next metre": gaps[~starting], "over the whole gap": whole[~starting]}
 correlations = {
     name: [spearmanr(of[:, 0], of[:, column]).statistic for column in (1, 2)]
     for name, of in under_way.items()
 }
 head = {"rank correlation, under way": "", "with clearance": "+.2f", "with turning": "+.2f"}
-display(table(head, [["on the next metre", *correlations["on the next metre"]]]))
+display(table(head, [["over the next metre", *correlations["over the next metre"]]]))
 show(from_figure(figure))
 
 # %% [markdown]

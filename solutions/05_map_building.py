@@ -194,7 +194,7 @@ trip = Prediction(
 display(trip)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 and 10 are for a second sitting. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes.** Sections 9 and 10 fill a second sitting, another 35 minutes. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -607,7 +607,7 @@ twins = Prediction(
     {"A": "every second one", "B": "the first ones", "C": "the last ones"},
     right="B",
     robot=f"it drops {sum(replaced)} of {len(second)}, all before the fork. The last ones before it "
-    f"stay, since the next anchor lies beyond. {titles[0]} become {titles[1]}.",
+    f"stay, since their next anchor lies beyond it. {titles[0]} become {titles[1]}.",
     tempting="A",
     because="notebook 04 thinned drives out. But here an anchor goes because another drive's "
     "image does its job, and beyond the fork there's none.",
@@ -926,7 +926,7 @@ swap = Prediction(
     "05",
     "swap",
     "Now your insert reuses vertices, too. How many wormholes will there be?",
-    {"A": "more", "B": "as many", "C": "fewer"},
+    {"A": "more", "B": "just as many", "C": "fewer"},
     right="A",
     robot=f"it had {holes_before.sum()} and has {holes_after.sum()} now; {driven_holes} of them are "
     "marked as driven.",
@@ -1027,7 +1027,7 @@ league = League(
 # The league table: run this cell again after each change of my_rule
 mine = score_rule(my_rule)
 if mine == tuple(league.baselines["section 3's rule"]):
-    print("So far your rule scores exactly as section 3's: nothing was excluded that mattered.")
+    print("So far your rule scores exactly as section 3's does: it excludes nothing that matters.")
     display(league.table())
 else:
     display(league.enter(NAME, mine))
@@ -1141,7 +1141,7 @@ show(from_figure(figure))
 # %% hidden=true
 # The stored run of `bench map`
 bench = load_result("map")
-head = {"method": "", "drives on the map": ",d", "vertices": ",d", "queries of the next": ",d"}
+head = {"method": "", "drives on the map": ",d", "vertices": ",d", "queries for the next": ",d"}
 head["its seconds"] = ".2f"
 rows, recalls = [], []
 for row in bench.rows:

@@ -254,8 +254,8 @@ pencil = Prediction(
     right="B",
     robot=f"it takes B and C: {product('here', 'B', 'C', 'goal')}.",
     tempting="C",
-    because=f"it has the best first hop, and no weaker edge than B's path. But there are four: "
-    f"{product('here', 'D', 'B', 'C', 'goal')}. And two hops aren't enough either: "
+    because=f"it has the best first hop, and no weaker edge than B's path. But it takes four hops: "
+    f"{product('here', 'D', 'B', 'C', 'goal')}. And the fewest hops don't win either: "
     f"{product('here', 'E', 'goal')}.",
     before=graph_picture(BY_HAND),
 )
@@ -452,9 +452,9 @@ swapped = Prediction(
     f"Now we ask all {len(names)} photos of the map. Where will the office's curve end?",
     {"A": "still near 0.4", "B": "between 0.55 and 0.85", "C": "above 0.95, like home's"},
     right="B",
-    robot=f"for a room that isn't there, its best photo says {curves[1][-1]:.2f} on average. For "
-    f"{(theirs.max(axis=1) > 0.5).mean():.0%} of the office's photos it says more than one half; "
-    f"above {rules.p_goal} (the line) it's {(theirs.max(axis=1) > rules.p_goal).sum()} of "
+    robot=f"for a room that isn't there, its map's best photo says {curves[1][-1]:.2f} on average. "
+    f"For {(theirs.max(axis=1) > 0.5).mean():.0%} of the office's photos it says more than one "
+    f"half; above {rules.p_goal} (the line) it's {(theirs.max(axis=1) > rules.p_goal).sum()} of "
     f"{len(theirs)}.",
     tempting="A",
     because=f"one photo alone gives the office just {curves[1][0]:.2f}. But we keep the best, and "
@@ -782,7 +782,7 @@ carried = Prediction(
     f'ends with "{ending}".',
     tempting="A",
     because="its odometry says that all goes well. But it drives by photos, and the next one isn't "
-    "in sight. After a few seconds of coasting it gives up.",
+    "in sight. After a few seconds of coasting it knows it's lost.",
     before=first_picture,
     after=side_by_side(
         [first_picture, carried_picture(last_plan)],
@@ -927,7 +927,10 @@ arrived_by = {  # by robot and path, whether it arrived
     (i, plan.vertices): bool(outcome.success[i]) for i, plan in enumerate(first_plans)
 }
 figure, (axis,) = chart(6.4, 3.6)
-for arrived, tone, name in ((True, colours.ROBOT, "arrived"), (False, colours.LASER, "did not")):
+for arrived, tone, name in (
+    (True, colours.ROBOT, "arrived"),
+    (False, colours.LASER, "didn't arrive"),
+):
     of_these = [first_plans[i] for i in STUDY if bool(outcome.success[i]) == arrived]
     axis.plot(
         [plan.probability for plan in of_these],
@@ -945,7 +948,7 @@ axis.legend(fontsize=10, loc="lower right")
 show(from_figure(figure))
 
 # %% hidden=true
-# Four that did not arrive
+# Four that didn't arrive
 metres = {  # of the first hop
     i: loop.metres(anywhere.starts[[i]], loop.poses[[first_plans[i].vertices[0]]])[0]
     for i in STUDY
@@ -1020,7 +1023,7 @@ league = League(
     },
 )
 most = sum(outcome.success[LEAGUE])
-print(f"On the paths of decide {most} of these 16 arrive, so {most} would be perfect.")
+print(f"On decide's paths, {most} of these 16 arrive, so {most} would be a perfect score.")
 
 # %% hidden=true
 # The league table: run this cell again after each change of my_decide
@@ -1069,12 +1072,12 @@ gain = [
 curse = Prediction(
     "06",
     "curse",
-    "A quarter of her edges are wormholes. Of twenty best plans on her map, how many lead through "
+    "A quarter of her edges are wormholes. Of twenty plans made on her map, how many lead through "
     "one?",
     {"A": "hardly any", "B": "about five", "C": "eight or more"},
     right="C",
-    robot=f"{sum(through)} of its {len(through)} plans on her map do. Those promise "
-    f"{np.mean(gain):.2f} more than its plans on our map, on average.",
+    robot=f"{sum(through)} of its {len(through)} plans on her map do. On average, those "
+    f"promise {np.mean(gain):.2f} more than its plans on our map do.",
     tempting="B",
     because="that would be chance. But a planner doesn't draw edges, it chooses, and a false edge "
     "is taken exactly when it promises more than the truth.",
@@ -1141,10 +1144,10 @@ for row, i in enumerate(chosen):
         [*loop_trials.pairs[i], *both, len(path) - 1, "arrived" if stopped is None else "lost"]
     )
 head = {"from": "d", "to": "d", "our map promises": ".2f", "this map promises": ".2f", "hops": "d"}
-display(table({**head, "then": ""}, rows))
+display(table({**head, "outcome": ""}, rows))
 counts = tally(trips)
 rows = [[str(edge), *both] for edge, both in counts.items() if both[1] < both[0]]
-table({"edge, not passed each time": "", "tried": "d", "passed": "d"}, rows)
+table({"edge, not always passed": "", "tried": "d", "passed": "d"}, rows)
 
 # %% [markdown]
 # **Which edge is it?** Write it down before you go on. That edge should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips happen once in a million.
@@ -1469,7 +1472,7 @@ print(
     f"{ending} after {robot.simulation.seconds:.0f} s, {gap:.2f} m from the photo's place, ", end=""
 )
 print(f"turned by {np.rad2deg(turned):.0f} degrees; plans made: {len(plans)}, ", end="")
-print(f"the first of probability {plans[0][1]:.2f}")
+print(f"the first with probability {plans[0][1]:.2f}")
 
 # %% hidden=true
 # The film
@@ -1569,7 +1572,7 @@ came_true = [(predicted.mean(), found.mean()) for predicted, found in made_up]
 luck = Prediction(
     "06",
     "luck",
-    "World 1 is drawn. Where will world 2 lie, where luck is shared?",
+    "World 1 is drawn. In world 2, hops share their luck. Where will its curve lie?",
     {"A": "above the diagonal", "B": "on it", "C": "below it"},
     right="A",
     robot=f"in world 2 its paths promise {came_true[1][0]:.2f} on average, and "

@@ -173,8 +173,8 @@ after = stacked([photo(here), photo(there)], ["what it sees", f"the same spot in
 turn = Prediction(
     "07",
     "turn",
-    f"The robot stands in room {FIRST} and drives out of its door, by amber's photos. Which way "
-    "will it turn?",
+    f"The robot stands in room {FIRST}. It leaves through the door and follows amber's photos. "
+    "Which way will it turn?",
     {"A": "left", "B": "right", "C": "it'll cross the corridor, into room 0"},
     right="A",
     robot=f"it thinks it's in room {ACROSS}. Out of that door the goal is on the left. So it turns "
@@ -182,7 +182,7 @@ turn = Prediction(
     f"{outcome.gap[trip]:.0f} m from the goal. Of {len(trials)} such trips {outcome.success.sum()} "
     "succeed.",
     tempting="B",
-    because=f"that's where the goal is. But amber begins in room {ACROSS}, and the robot drives by "
+    because=f"that's where the goal is. But amber begins in room {ACROSS}, and the robot follows "
     "amber's photos.",
     before=side_by_side([trip_picture(), before]),
     after=side_by_side([trip_picture(driven), after]),
@@ -231,7 +231,7 @@ table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, stric
 #
 # ## 2 · Through the wall
 #
-# Two more robots use the same map. They start in rooms that have no twin, so they know where they are. But the rooms they're looking for have twins. Legs longer than 5 m are vermilion. Watch what each robot sees, what it expects, and what the first one says at the end.
+# Two more robots use the same map. They start in rooms that have no twin, so they know where they are. But the rooms they're looking for have twins. Legs longer than 5 m are vermilion. Watch what each robot sees, what it expects, and what it says at the end.
 
 
 # %% hidden=true
@@ -249,10 +249,11 @@ def legs_picture(poses, ahead, pose, goal):
     return picture
 
 
-def film_of(run, map_poses, robot, goal, every=6):
+def film_of(run, map_poses, robot, goal, frames=12):
     """A film of one robot's trip, with what it sees and what it expects."""
     pictures, ahead = [], ()
-    steps = range(0, round(run.outcome.seconds[robot] / STEP), every)
+    seconds = run.outcome.seconds[robot]
+    steps = np.linspace(0, seconds / STEP, frames, endpoint=False).astype(int)
     for step in steps:
         poses, plans = run.moments[min(step, len(run.moments) - 1)]
         ahead = plans[robot] or ahead
@@ -260,12 +261,12 @@ def film_of(run, map_poses, robot, goal, every=6):
         photos = side_by_side([photo(poses[robot], 222), photo(expected, 222)], ["sees", "expects"])
         plan = legs_picture(map_poses, ahead, poses[robot], goal)
         pictures.append(stacked([plan, photos], gap=4))
-    return play(pictures, 1 / (every * STEP), np.array(steps) * STEP, count=3)
+    return play(pictures, frames / seconds, steps * STEP, count=3)
 
 
 known = building.pairs.tolist()
 lured_trials = draw_trials(
-    building, 2, np.random.default_rng(2), np.array([known.index([4, 3]), known.index([5, 1])])
+    building, 2, np.random.default_rng(2), np.array([known.index([4, 3]), known.index([5, 3])])
 )
 lured = drive_with("none", single, lured_trials)
 for i, (start, end) in enumerate(lured_trials.pairs):
@@ -274,7 +275,7 @@ for i, (start, end) in enumerate(lured_trials.pairs):
     display(film_of(lured, single_poses, i, lured_trials.goal_poses[i]))
 
 # %% [markdown]
-# Such a leg is a **[[wormhole]]**: one step on the map, a long drive in the building. The first robot says it's arrived, but it's next door, in the twin. Neither robot did anything wrong: the photos fit two places.
+# Such a leg is a **[[wormhole]]**: one step on the map, a long drive in the building. Both robots say they've arrived, and both are in the wrong room, the twin of the right one. Neither did anything wrong: the photos fit two places.
 #
 # The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that merely look alike have neighbours that don't, sooner or later. We ask for four matches on either side, for edges and for reuse.
 
@@ -309,7 +310,7 @@ def edges_of_plans(topomap):
 fold = Prediction(
     "07",
     "fold",
-    "This map rests on single photos. How many vertices do the same thirty drives have if "
+    "This map rests on single photos. How many vertices do the same thirty drives give if "
     "sequences must match?",
     {"A": "fewer", "B": "about as many", "C": "three times as many or more"},
     right="C",
@@ -374,7 +375,7 @@ def predict(belief, motion, lengths, onward):
     motion: array (N,), metres that each robot has moved.
     lengths: array (V + 1,), metres of the edges of each state.
     onward: array (V + 1, V + 1); row v holds the probabilities of where a
-    robot comes to that leaves state v, and sums to 1.
+    robot goes when it leaves state v, and sums to 1.
     Returns an array (N, V + 1).
     """
     ### BEGIN SOLUTION
@@ -466,7 +467,7 @@ corridor = Prediction(
     {"A": "at 2, two looks later", "B": "at 3, four looks later", "C": "at 4, six looks later"},
     right="B",
     robot=f"at 2 it still believes {row_beliefs[2][2]:.2f} in 2 and {row_beliefs[2][6]:.2f} in 6; "
-    f"at 3 it's {row_beliefs[4][3]:.2f}, and {row_beliefs[4][6]:.2f} in 6.",
+    f"at 3 it's {row_beliefs[4][3]:.2f} in 3, and {row_beliefs[4][6]:.2f} in 6.",
     tempting="A",
     because="three looks are more than one. But 6 looks like 2, as 5 looks like 1. The d at 3 is the "
     "first without a twin.",
@@ -481,7 +482,10 @@ display(corridor)
 # %% hidden=true
 # The corridor, with a slider
 sliders(
-    lambda step: (bars(step, 7.0), f"after {step} motions: {row_beliefs[step].max():.2f} at most"),
+    lambda step: (
+        bars(step, 7.0),
+        f"after {step} motions: highest bar {row_beliefs[step].max():.2f}",
+    ),
     {"step": "step"},
     step=(0, STEPS - 1, 1, 0),
 )
@@ -506,15 +510,15 @@ sliders(
 
 # %% exercise="match_sequence"
 def match_sequence(likelihoods, before):
-    """How well a sequence of views fits that ends at each vertex.
+    """How well a sequence of views that ends at each vertex fits.
 
     likelihoods: array (T, V), the likelihoods of T views, the latest in the
     last row.
     before: array (V,) of whole numbers, the vertex before each on its
     trajectory, -1 where there is none.
-    Returns an array (V,): of all sequences that end at the vertex, in which
-    each view is at the same vertex as the view before it or one further, the
-    greatest product of likelihoods, and of that the T-th root.
+    Returns an array (V,): the T-th root of the greatest product of
+    likelihoods, over all sequences that end at the vertex, in which each view
+    is at the same vertex as the view before it or one further.
     """
     ### BEGIN SOLUTION
     total = likelihoods[0]
@@ -699,7 +703,7 @@ carried = Prediction(
     before=lifted,
     after=side_by_side(
         [belief_picture(step) for step in (noticed + 5, found)],
-        [f"{(step - cut) * STEP:.1f} s after" for step in (noticed + 5, found)],
+        [f"{(step - cut) * STEP:.1f} s later" for step in (noticed + 5, found)],
     ),
 )
 display(carried)
@@ -715,7 +719,7 @@ def belief_at(second):
     step = min(round(second / STEP), len(off) - 1)
     where = "off the map" if vertices[step] < 0 else f"{off[step]:.1f} m from where it thinks it is"
     when = "before" if step < cut else "after"
-    words = f"{when} it's carried: {where}; belief in off the map {beliefs[step, -1]:.2f}"
+    words = f'{when} it\'s carried: {where}; belief in "off the map" {beliefs[step, -1]:.2f}'
     return belief_picture(step), words
 
 
@@ -842,7 +846,7 @@ league = League(
 numbers = score(drive_b, tracked(drive_b, mine)[1])
 print(f"on drive A your settings score {score(drive_a, tracked(drive_a, mine)[1])[-1]}")
 if numbers == of_defaults:
-    print("On drive B they score exactly as the library's: nothing has changed that matters.")
+    print("On drive B they score exactly as the library's do: you've changed nothing that matters.")
     display(league.table())
 else:
     display(league.enter(NAME, numbers))
@@ -912,7 +916,7 @@ print(
 )
 print(f"{outcome.success.sum()} of {len(some)} such trips succeed. Yesterday it was ", end="")
 print(f"{yesterday.outcome.success[some].sum()} of {len(some)}.")
-film_of(today, map_poses, again, at_goal, 8)
+film_of(today, map_poses, again, at_goal, 18)
 
 # %% [markdown]
 # The robot begins with the same mistake. Then views that don't fit move the belief; the robot drops its plan and makes another from where it now thinks it is.
@@ -963,15 +967,15 @@ alone = [success[part]["success"] for part in PARTS if part != "replan"]
 remedy = Prediction(
     "07",
     "remedy",
-    f"With no remedy {share('none')} arrive, with all four {share('all')}. Which one alone brings "
-    "most?",
+    f"With no remedy {share('none')} arrive, with all four {share('all')}. Which single one "
+    "helps most?",
     {"A": "sequences", "B": "planning again", "C": "counting visits", "D": "the belief"},
     right="B",
-    robot=f"with replanning alone it arrives in {share('replan')}. With any other one alone it "
-    f"stays between {min(alone):.0%} and {max(alone):.0%}.",
+    robot=f"with replanning alone {share('replan')} arrive. With any other remedy alone it's "
+    f"between {min(alone):.0%} and {max(alone):.0%}.",
     tempting="D",
-    because="you've just built it, and it knows when it's wrong. But a robot that knows it's wrong, "
-    "and may not plan again, can only give up.",
+    because="you've just built it, and it knows when it's wrong. But a robot that knows it's "
+    "wrong, and can't plan again, can only give up.",
     before=remedies_chart(("none", "all")),
     after=remedies_chart(success),
 )

@@ -204,7 +204,7 @@ refused = Prediction(
     {"A": "close, and ahead", "B": "far ahead", "C": "near, and turned", "D": "ahead"},
     right="C",
     robot=f"it gives C {pool.reachable[now, shown['C']]:.2f}, though C was taken only "
-    f"{metres[shown['C']]:.1f} m away: it looks back. B, {metres[far_off]:.1f} m away, gets "
+    f"{metres[shown['C']]:.1f} m away: C looks back. B, {metres[far_off]:.1f} m away, gets "
     f"{pool.reachable[now, far_off]:.2f}.",
     tempting="B",
     because="it was taken farthest off. But it's in sight, and straight on.",
@@ -411,12 +411,12 @@ more = next(number for number, belief in enumerate(later) if belief < PRUNE) - l
 streak = Prediction(
     "08",
     "streak",
-    "Five successes, one failure. How many more failures in a row, until it's below the line?",
+    "Five successes, one failure. How many more failures in a row until it's below the line?",
     {"A": "two", "B": "three", "C": "five, one for each success"},
     right="A",
     robot=f"{more}: {', '.join(f'{belief:.2f}' for belief in later[6 : 7 + more])}.",
     tempting="B",
-    because="the first failure took a fifth, so three more should do. But the second takes half: "
+    because="the first failure cost a fifth, so three more should do. But the second costs half: "
     "near 1 a belief moves little, in the middle a lot.",
     before=belief_chart(first, f"Never above {CERTAIN}; one failure, and it's still believed"),
     after=belief_chart(later, "The second failure hurts most"),
@@ -808,7 +808,7 @@ next_day = Prediction(
     f"{days[2].success.sum()}, after {days[2].seconds[days[2].success].mean():.0f} s each. On the "
     f"first day it was {days[0].seconds[days[0].success].mean():.0f} s.",
     tempting="C",
-    because="the map knows about the door now. But the way round is longer, and that stays so.",
+    because="the map knows about the door now. But the way round is longer, and it stays longer.",
     before=side_by_side([pictures[1], days_chart(2, "The first shut day helps nobody")], gap=10),
     after=side_by_side([pictures[2], days_chart(4, "It learns the door, and unlearns it")], gap=10),
 )
@@ -834,7 +834,7 @@ events = living.upkeep.events
 print(f"{len(events)} events")
 print("undone, it's the first map again:", set(undone(upkeep.graph, events).edges) == as_built)
 EVENT = next(event for event in events if event.kind == "blocked")
-print(f"the first that was found blocked: edge {EVENT.edge}, in query {EVENT.query}")
+print(f"the first one found blocked: edge {EVENT.edge}, in query {EVENT.query}")
 
 # %% [markdown]
 # ### Be the one who shuts doors

@@ -139,11 +139,11 @@ ways = Prediction(
     right="C",
     robot="it guesses a score for each way, the higher the nearer: "
     + ", ".join(f"{name} {scores[0, k]:.2f}" for name, k in WAYS.items())
-    + f". So it takes {guess}. By A it's {drives[0, WAYS['A']]:.0f} m to the goal, by B "
-    f"{drives[0, WAYS['B']]:.0f} m, by C {drives[0, WAYS['C']]:.0f} m.",
+    + f". So it takes {guess}. Via A it's {drives[0, WAYS['A']]:.0f} m to the goal, via B "
+    f"{drives[0, WAYS['B']]:.0f} m, via C {drives[0, WAYS['C']]:.0f} m.",
     tempting="B",
     because="it leads into a room, straight ahead. But look at the walls: the goal's are green, and "
-    "only on the way C they turn from blue to green.",
+    "only along C do they turn from blue to green.",
     before=panoramas,
     after=side_by_side([ways_picture(), stacked([panoramas], width=560)]),
 )
@@ -409,8 +409,8 @@ networks = [local_picture(free_maps[i], by_network[i]) for i in three]
 small = Prediction(
     "09",
     "small",
-    "Dark is where the robot's middle can't be; white is free, or not seen. The circle is 3 m "
-    "away. At which place does no direction lead on?",
+    "Dark is where the robot's middle can't be; white is free, or not seen. The circle's radius "
+    "is 3 m. At which place does no direction lead on?",
     {"A": "at A", "B": "at B", "C": "at C", "D": "at none of them"},
     right="B",
     robot=f"of 60 places in the flat, {(counts == 0).sum()} have no direction that leads on. "
@@ -461,13 +461,17 @@ gone = Prediction(
     "09",
     "gone",
     "Which ghosts have to go?",
-    {"A": "2 of node 0, and 4 of node 1", "B": "2 of node 0, and 8 of node 1", "C": "2 of node 0"},
+    {
+        "A": "ghost 2 of node 0, and ghost 4 of node 1",
+        "B": "ghost 2 of node 0, and ghost 8 of node 1",
+        "C": "ghost 2 of node 0",
+    },
     right="A",
     robot="it drops both: a ghost stands for what's unexplored, and now both ends of the edge are "
     "known.",
     tempting="C",
-    because="that's the ghost it has just driven to. But 4 of node 1 leads back to node 0. Leave it, "
-    "and one day the robot goes there to explore.",
+    because="that's the ghost it has just driven to. But ghost 4 of node 1 leads back to node 0. "
+    "Leave it, and one day the robot goes there to explore.",
     before=two_roses(),
     after=two_roses({(0, 2), (1, 4)}),
 )
@@ -659,10 +663,10 @@ def global_policy(graph, here, ghosts, scores, goal=None, weight=0.0):
     graph: networkx graph whose edges have "metres".
     here: the node in which the robot is.
     ghosts: set of pairs (node, direction).
-    scores: dictionary, a score for each pair (node, direction), also for
-    pairs that are no ghosts.
+    scores: dictionary, a score for each pair (node, direction), even for
+    pairs that aren't ghosts.
     goal: the node in which the goal was localised, or None.
-    weight: of the metres over the graph to a ghost's node, divided by 20,
+    weight: of the metres along the graph to a ghost's node, divided by 20,
     against its score.
     Returns the next node on the shortest path, which is `here` at its end, and
     the ghost at its end; None for the ghost if the path leads to the goal's
@@ -1228,7 +1232,7 @@ display(together)
 # For goals elsewhere, the planner refuses, and both together do as well as the explorer alone; the [results page](../tutorial_lib/results/README.md#a-second-visit) has more. Now watch your robot in your friend's flat.
 
 # %% hidden=true
-# A first visit with six goals; then passed ones, and one that was not (about 5 s)
+# A first visit with six goals; then four it passed, and one it didn't (about 5 s)
 rng = np.random.default_rng(6)
 first = draw_episodes(flat_name, flat, {"medium": 1}, rng)
 visited = ExplorationTask({flat_name: flat}, first, rng)

@@ -120,15 +120,15 @@ kept_last, forgets_last = RACE["nts", "8-10"], RACE["nts_forgets", "8-10"]
 memory = Prediction(
     "10",
     "memory",
-    "Which robot is better at visits 8 to 10?",
+    "Which robot is better on visits 8 to 10?",
     {"A": "the one that keeps its map", "B": "the one that forgets", "C": "no difference"},
     right="B",
     robot=f"with its map it finds {kept_last['success']:.0%} of the last three goals, SPL "
     f"{kept_last['spl']:.2f}. Without, it's {forgets_last['success']:.0%} and "
     f"{forgets_last['spl']:.2f}. Thirty lives in ten buildings that it had never seen say so.",
     tempting="A",
-    because="it knows the building better with every visit. So it would, if its memory stayed "
-    "true.",
+    because="it knows the building better with every visit, so it should win. It would, if its "
+    "memory stayed true.",
     before=side_by_side([plan, first_and_last(True, "The first visits")], height=380),
     after=side_by_side([plan, first_and_last(False, "Memory hurts")], height=380),
 )
@@ -223,7 +223,7 @@ shots = {visit: map_picture(visit) for visit in (1, 4, VISITS)}
 show(side_by_side([shots[1]], ["After visit 1: the map is nearly right"]))
 
 # %% hidden=true
-# How far is the compass off after ten visits?
+# How far off is the compass after ten visits?
 turned = {visit: abs(noting.notes[visit - 1][4]) for visit in (1, 4, VISITS)}
 names = {visit: f"Visit {visit}: heading off by {turned[visit]:.0f}°" for visit in shots}
 compass = Prediction(
@@ -255,7 +255,7 @@ display(compass)
 
 
 # %% hidden=true
-# Three places, where blue is half a metre wrong
+# Three places, with blue half a metre off
 camera = PanoramicCamera()
 corridors = scene_of(world_name("loop_corridor", 10_006))
 
@@ -350,7 +350,7 @@ slides = Prediction(
     "In one place nobody could tell that blue is wrong. Where?",
     {"A": "at A", "B": "at B", "C": "at C"},
     right="C",
-    robot=f"half a metre off, blue fits to {values[2][1]:.2f} at C; where it should be, "
+    robot=f"half a metre off, blue scores a fit of {values[2][1]:.2f} at C; where it should be, "
     f"{values[2][0]:.2f}. At A it's {values[0][1]:.2f} and {values[0][0]:.2f}.",
     tempting="B",
     because="there was a good deal of blue on grey there, too. But none of the short walls agreed. "
@@ -438,7 +438,7 @@ table(
 # Here's how well some matches fit. Where would you draw the lines?
 
 # %% hidden=true
-# Fits at matches: here, and the best half a metre aside
+# Fits at matches: here, and the best half a metre away
 rows = []
 for title, some in (
     ("the right place", [pairs[i] for i in order[:-5]]),
@@ -466,7 +466,7 @@ head = {
     "match": "",
     "fit, from": ".2f",
     "to": ".2f",
-    "half a metre aside, from": ".2f",
+    "half a metre away, from": ".2f",
     "to ": ".2f",
 }
 table(head, rows)
@@ -489,7 +489,7 @@ def accept(node, seen, guess, pose):
     guess: pose (3,) by odometry, never more than 1 m or 30 degrees wrong.
     pose: (3,), the match.
     Returns True only if the scans fit well there, clearly better than half a
-    metre aside in every direction, and not too far from the guess.
+    metre away in every direction, and not too far from the guess.
     """
     ### BEGIN SOLUTION
     gap = relative(guess, pose)
@@ -761,7 +761,7 @@ from tutorial_lib.learning.exploration_model import LearnedExploration
 
 
 class MyRobot(NTSAgent):
-    """Begins where yesterday ended; what would you do otherwise?"""
+    """Begins where yesterday ended; what would you do differently?"""
 
     def __init__(self):
         eyes, rng = LearnedExploration("nts_rgbd"), np.random.default_rng(0)

@@ -40,7 +40,7 @@ def test_a_click_shows_the_choice_the_robot_and_why_a_wrong_answer_tempts(folder
     assert trip.text.split("\n") == [
         "You: A, at the door.",
         "Rover: it changes in the corridor.",
-        "Right is B: in the corridor.",
+        "The right answer is B: in the corridor.",
         "A tempts: the door is nearest on the plan, but behind the robot.",
     ]
     assert (decoded(trip.panel.picture.value) == 40).all()

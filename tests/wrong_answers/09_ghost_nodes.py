@@ -230,7 +230,7 @@ def spl__divides_by_nothing(success, shortest, travelled):
 
 
 def spl__as_text(success, shortest, travelled):
-    """is no number"""
+    """isn't a number"""
     return str(np.mean(success * shortest / np.maximum(shortest, travelled)))
 
 

@@ -56,7 +56,7 @@ def students_page(sources: list[Path], introduction: str) -> str:
     """
     rows = []
     for source in sources:
-        link, minutes = f"[{title_of(source)}]({source.stem}.ipynb)", minutes_of(source) or 10
+        link, minutes = f"[{title_of(source)}]({source.stem}.ipynb)", minutes_of(source)
         rows.append(f"| {link} | {_listed(source)} | {minutes} |")
     table = ["| notebook | you write | minutes |", "|---|---|---|", *rows]
     entries = read_glossary(sources[0].parent)
@@ -78,8 +78,7 @@ def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -
     for source in sources:
         text = _prose(source)
         parts.append(f"## {title_of(source)}")
-        minutes = minutes_of(source)
-        parts.append(f"{minutes} minutes." if minutes else "Ten minutes, no exercises.")
+        parts.append(f"{minutes_of(source)} minutes.")
         goals = _GOALS.search(text)
         if goals:
             parts.append(f"After it a student can\n\n{goals[1].rstrip()}")

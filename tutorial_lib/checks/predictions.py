@@ -136,7 +136,7 @@ class Prediction:
     def _answer(self) -> list[str]:
         return [
             f"{robot_name()}: {self.robot}",
-            f"Right is {self.right}: {self.options[self.right]}.",
+            f"The right answer is {self.right}: {self.options[self.right]}.",
             f"{self.tempting} tempts: {self.because}",
         ]
 

@@ -185,7 +185,7 @@ def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
             raise TypeError
         values = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
-        words = "is no array of numbers; return an array" if shape else "is no number; return one"
+        words = "isn't an array of numbers; return one" if shape else "isn't a number; return one"
         raise WrongAnswer(f"{what}: {kind(got)} {words}") from None
     if values.shape != shape:
         raise WrongAnswer(f"{what}: shape {values.shape}, but {shape} is needed")

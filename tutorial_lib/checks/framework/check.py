@@ -113,7 +113,7 @@ class Check:
         if isinstance(error, guard.TimeUp):
             return (self.endless or ENDLESS).format(seconds=guard.SECONDS)
         if isinstance(error, MemoryError):
-            usual = "Does a loop never end, or an array grow?"
+            usual = "Does a loop never end, or an array keep growing?"
             return f"Your function fills the memory. {self.endless.partition('. ')[2] or usual}"
         if isinstance(error, SystemExit):
             return "Your function ends the program, as sys.exit() does; return the answer instead."

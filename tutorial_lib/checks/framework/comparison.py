@@ -20,11 +20,11 @@ ALIKE = 0.75
 """Share of the wrong answers that a known mistake must explain to be named."""
 SEVERAL = 3
 """Wrong answers that a known mistake must explain to be named where others are right."""
-PARTLY = "in part of the cases"
+PARTLY = "in some cases"
 """Goes before a mistake that explains all wrong answers, but is not made everywhere."""
 AGAIN = (
-    "called again with the same arguments, your function gives another answer; it must not keep "
-    "anything from call to call"
+    "called again with the same arguments, your function gives a different answer; it must not "
+    "keep anything from call to call"
 )
 """What to say of a function that does not give its answer again."""
 _NONE = object()

@@ -13,7 +13,7 @@ _GENERATED = ("<frozen", "<__array_function__", "<class 'networkx")
 """Names of code that has no file: Python's, numpy's and networkx's."""
 _USUAL: dict[type[Exception], str] = {
     IndexError: "an index lies beyond the end of an array; do not look there",
-    TypeError: "something is not of the type that you use it as; compare with the docstring",
+    TypeError: "something isn't of the type you use it as; compare with the docstring",
     ValueError: "do the shapes fit, and is there anything to choose from?",
     KeyError: "there is no such key",
     NameError: "is a name misspelt, or set in one branch only?",
@@ -21,7 +21,7 @@ _USUAL: dict[type[Exception], str] = {
     ZeroDivisionError: "something is divided by zero",
     RecursionError: "the function calls itself for ever",
 }
-_NEW = "what you were given may not be changed; make a new one"
+_NEW = "what you were given mustn't be changed; make a new one"
 _MEANT = {
     "Cannot cast ufunc": "+= and its like change an array in place, in the type that it has; "
     "a = a + b makes a new one",

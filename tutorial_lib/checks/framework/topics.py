@@ -127,7 +127,7 @@ def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # no
     except WrongAnswer:
         raise
     except Exception:
-        words = "came back whose form is not the one that the docstring names"
+        words = "came back, which isn't the form that the docstring names"
         raise WrongAnswer(f"{what}: {kind(answer)} {words}") from None
 
 
@@ -189,7 +189,7 @@ def _partly(
                         break
             else:
                 if unlike < fewest:
-                    best, fewest = f". In part of the cases: {words}", unlike
+                    best, fewest = f". In some cases: {words}", unlike
     return best
 
 

@@ -140,7 +140,7 @@ class TeleopController:
         driven = arc_length(self.track)[-1]
         words = f"{driven:.1f} m driven in {self.simulation.seconds:.1f} s."
         if self.simulation.touching[0]:
-            return f"{words} The car touches something: go back."
+            return f"{words} The car is touching something: go back."
         return words
 
     def render(self, *, hide_map: bool = False) -> Picture:
