@@ -121,6 +121,7 @@ def test_mine_is_the_saved_answer_or_the_librarys(folder, capsys):
         ("doubled = 1 /\n", "does not run (SyntaxError"),
         ("raise ValueError('no')\n", "does not run (ValueError: no)"),
         ("import sys\nsys.exit(0)\n", "does not run (SystemExit: 0)"),
+        ("import os\nos._exit(3)\n", "does not run (SystemExit: 3)"),
         ("while True:\n    pass\n", "has not ended after 0.3 seconds"),
         (
             "while True:\n    try:\n        while True: pass\n    except: pass\n",

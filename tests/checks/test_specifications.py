@@ -1,7 +1,9 @@
 """Exercises as specifications: every known mistake is one, and is named by its own words."""
 
+import functools
 import textwrap
 
+import numpy as np
 import pytest
 
 from tests.checks.test_checks import all_checks
@@ -107,3 +109,36 @@ def test_what_is_judged_may_be_more_than_the_answer():
     check = specified({"one": (1,)}, run=lambda function, x: (function(x), "run"))
     assert check(rule).status == "passed"
     assert check(lambda x: x - 1).message.startswith("rule, one: add (")
+
+
+def in_place_of_floats(value, make):
+    """An answer with something else in place of each float."""
+    if isinstance(value, np.ndarray) and value.dtype.kind == "f":
+        return make(value)
+    if type(value) is float:
+        return make(np.asarray(value)).item()
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*(in_place_of_floats(part, make) for part in value))
+    if isinstance(value, tuple | list):
+        return type(value)(in_place_of_floats(part, make) for part in value)
+    return value
+
+
+@pytest.mark.filterwarnings("error::numpy.exceptions.ComplexWarning")
+@pytest.mark.parametrize("make", [lambda x: x + 5j, lambda x: x.astype(str)])
+@pytest.mark.parametrize("check", SPECIFIED, ids=lambda check: check.name)
+def test_complex_numbers_and_text_are_no_floats(check, make):
+    changed = []
+
+    @functools.wraps(check.reference)
+    def answer(*arguments, **named):
+        right = check.reference(*arguments, **named)
+        other = in_place_of_floats(right, make)
+        changed.append(other is not right and repr(other) != repr(right))
+        return other
+
+    result = check(answer)
+    if not any(changed):
+        pytest.skip("no floats in its answers")
+    assert result.status == "failed"
+    assert "Warning" not in result.message

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable
 from itertools import accumulate
 from pathlib import Path
@@ -53,6 +54,8 @@ def parse_json(text: str, where: str, advice: str = "") -> Any:  # noqa: ANN401
         if len(text) > MAX_DEPTH and _depth(text) > MAX_DEPTH:
             raise InputError(f"more than {MAX_DEPTH} lists and mappings within each other")
         return json.loads(text, object_pairs_hook=_mapping)
+    except InputError as error:
+        raise failure(where, error, "") from None
     except ValueError as error:
         raise failure(where, f"damaged, or not JSON ({error})", advice) from None
 
@@ -67,9 +70,8 @@ def _mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A mapping in which no key was given twice: nobody can know which one is meant."""
     found = dict(pairs)
     if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for place, key in enumerate(keys) if key in keys[:place])
-        raise InputError(f"the key {twice!r} is given twice")
+        twice = next(key for key, count in Counter(key for key, _ in pairs).items() if count > 1)
+        raise InputError(f"the key {twice!r} is given twice; keep one")
     return found
 
 

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 
+import joblib
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.protocols import controllers, exploration, local_control, navigation
+from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.world.plan_json import save_plan
 
 CONTROLLER = """
@@ -198,3 +200,22 @@ def test_a_fault_in_table_2_costs_its_own_rows_only_and_is_the_exit_code(
     assert f"--agent {where}: TypeError: 'NoneType' object is not callable" in out
     assert "the other rows go on" in err
     assert f" {float(table2.QUICK_DRIVES):g} " in out  # a part of the drives, where agents differ
+
+
+TAKING = [
+    one
+    for experiment in EXPERIMENTS.values()
+    for one in (experiment, *experiment.ablations.values())
+    if "agent" in one.accepts
+]
+
+
+@pytest.mark.parametrize("experiment", TAKING, ids=lambda experiment: experiment.name)
+def test_a_class_that_cannot_be_loaded_is_refused_before_any_work(experiment, monkeypatch):
+    def work(*_):
+        raise AssertionError("work was begun")
+
+    monkeypatch.setattr(joblib.Parallel, "__call__", work)
+    for given, said in (("nofile.py:Mine", "there is no file"), ("mine.txt", "FILE.py:CLASS")):
+        with pytest.raises(InputError, match=said):
+            experiment.report(Options(agent=given, quick=True))

@@ -171,6 +171,21 @@ def parts(what: str, got: object, count: int, words: str) -> list[Any]:
     return list(got)
 
 
+def as_floats(got: object) -> Array:
+    """What holds real numbers, as an array of floats; NumPy would take text and complex ones, too.
+
+    Raises:
+        TypeError or ValueError: when it holds anything else.
+    """
+    values = np.asarray(got)
+    odd = values.dtype.kind == "O" and any(
+        isinstance(v, str | bytes | complex) for v in values.flat
+    )
+    if values.dtype.kind not in "biufO" or odd:
+        raise TypeError
+    return values.astype(float)
+
+
 def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
     """An answer as an array of this shape, or as a number if the shape is ().
 
@@ -181,10 +196,11 @@ def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
     if shape and not isinstance(got, np.ndarray):
         raise WrongAnswer(f"{what}: {kind(got)} came back; return a numpy array")
     try:
-        if isinstance(got, str):
-            raise TypeError
-        values = np.asarray(got, dtype=float)
+        values = as_floats(got)
     except (TypeError, ValueError):
+        if isinstance(got, np.ndarray):
+            words = f"an array of {got.dtype} came back; return real numbers"
+            raise WrongAnswer(f"{what}: {words}") from None
         words = "isn't an array of numbers; return one" if shape else "isn't a number; return one"
         raise WrongAnswer(f"{what}: {kind(got)} {words}") from None
     if values.shape != shape:

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -105,16 +105,25 @@ def read(file: Path, name: str) -> Function:
     if spec is None or spec.loader is None:
         raise InputError(f"{file} is no Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
+    leave = os._exit
     try:
+        os._exit = _refuse_to_leave
         spec.loader.exec_module(module)
         function = vars(module).get(name)
     except (KeyboardInterrupt, guard.TimeUp):
         raise
     except BaseException as error:
         raise InputError(f"{file} does not run ({words_of(error)}); {words}") from error
+    finally:
+        os._exit = leave
     if not callable(function):
         raise InputError(f"{file} defines no function {name}; {words}")
     return function
+
+
+def _refuse_to_leave(status: int) -> NoReturn:
+    """In place of `os._exit`, which would end the notebook."""
+    raise SystemExit(status)
 
 
 def _text_of(function: Function, name: str) -> str:

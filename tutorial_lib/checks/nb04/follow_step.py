@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.answers import as_floats, parts
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb04.forms import calling, whole
@@ -187,7 +187,7 @@ def _form(what: str, got: Any, *_: object) -> Answer:  # noqa: ANN401 - students
 
 def _point(what: str, got: Any) -> Array:  # noqa: ANN401
     try:
-        point = np.asarray(got, dtype=float)
+        point = as_floats(got)
     except (TypeError, ValueError):
         raise WrongAnswer(f"{what} is {kind(got)}; it is an array (2,)") from None
     if point.shape != (2,) or not isinstance(got, np.ndarray | list | tuple):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework import answers
-from tutorial_lib.checks.framework.answers import returned
+from tutorial_lib.checks.framework.answers import as_floats, returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.topology.following.transitions import State
@@ -39,7 +39,7 @@ def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa:
         words = "return the indices of the frames, an array or a list"
         raise WrongAnswer(f"{what}: {kind(got)} came back; {words}")
     try:
-        numbers = np.asarray(got, dtype=float)
+        numbers = as_floats(got)
     except (TypeError, ValueError):
         words = "return whole numbers, the indices of the frames"
         raise WrongAnswer(f"{what}: the {type(got).__name__} holds other things; {words}") from None

@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, SupportsFloat
 
+import numpy as np
+
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
@@ -87,7 +89,8 @@ def number(what: str, got: object, words: str) -> float:
         WrongAnswer: when it is none; `words` say what to return.
     """
     shape = getattr(got, "shape", ())
-    if isinstance(got, bool | str) or shape != () or not isinstance(got, SupportsFloat):
+    odd = isinstance(got, bool | str) or np.iscomplexobj(got)
+    if odd or shape != () or not isinstance(got, SupportsFloat):
         raise WrongAnswer(f"{what}: {kind(got)} came back {words}; return a number")
     return float(got)
 

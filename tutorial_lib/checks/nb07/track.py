@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import parts, returned
+from tutorial_lib.checks.framework.answers import as_floats, parts, returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.framework.wording import kind, number_of
@@ -42,7 +42,7 @@ def _beliefs(what: str, beliefs: object, story: Story) -> Array:
         words = "return an array of numpy, as np.array makes of a list of rows"
         raise WrongAnswer(f"{what}: the beliefs are {kind(beliefs)}; {words}")
     try:
-        beliefs = beliefs.astype(float)
+        beliefs = as_floats(beliefs)
     except (TypeError, ValueError):
         raise WrongAnswer(f"{what}: the beliefs are no array of numbers") from None
     shape = len(story.odometry), len(story.lengths)

@@ -110,6 +110,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         InputError: where weights are missing, before anything is run.
     """
     check_shipped(("nts", "ans_like", "il"), "rgbd")
+    if options.agent:  # a faulty one is refused before any life
+        own_runner(options.agent)
     own = (CUSTOM,) if options.agent else ()
     settings = replace(settings, agents=(*settings.agents, *own))
     worlds, kinds = options.worlds, {"": settings}
