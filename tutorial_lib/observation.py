@@ -138,7 +138,9 @@ class Goals:
         contexts = instance("contexts", self.contexts, np.ndarray)
         if contexts.dtype.kind not in "fiu":
             raise InputError(f"contexts: array of {contexts.dtype}; give images or scans")
-        if not contexts.ndim or not len(contexts) or len(contexts) != len(observations):
+        if not contexts.ndim:
+            raise InputError("contexts: one value; give one context for each goal")
+        if not len(contexts) or len(contexts) != len(observations):
             raise InputError(
                 f"goals: {len(self.observations)} observations, {len(self.contexts)} contexts; "
                 "give as many of both, one at least"

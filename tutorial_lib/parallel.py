@@ -20,7 +20,7 @@ from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path, make_folder
-from tutorial_lib.validation import instance, whole
+from tutorial_lib.validation import instance, listed, whole
 
 LINE_INTERVAL = 10.0
 """Seconds from one line of progress in a log file to the next, at least."""
@@ -101,10 +101,11 @@ def for_each(
     """
     if not callable(work):
         raise InputError(f"work: {work!r}; give a function of a module")
-    if not isinstance(items, Iterable) or isinstance(items, str):
-        raise InputError(f"items: {items!r}; give a list")
     instance("label", label, str)
-    jobs, items = whole("jobs", jobs, least=-MOST_JOBS, most=MOST_JOBS), list(items)
+    jobs, items = (
+        whole("jobs", jobs, least=-MOST_JOBS, most=MOST_JOBS),
+        listed("items", items, "a list"),
+    )
     if not jobs:
         raise InputError("jobs: 0; give the number of processes, or -1 for as many as cores")
     folder = _folder.get()

@@ -14,7 +14,7 @@ import operator
 from collections.abc import Collection, Iterable, Sized
 from os import PathLike
 from pathlib import Path
-from typing import SupportsIndex, TypeVar
+from typing import Any, SupportsIndex, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -225,6 +225,18 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
     return value
 
 
+def listed(name: str, values: object, what: str) -> tuple[Any, ...]:
+    """What comes one after the other, as in a list; text and an array without axes are none.
+
+    Raises:
+        InputError: when it does not; it says to give `what`.
+    """
+    alone = isinstance(values, (str, bytes)) or getattr(values, "ndim", 1) == 0
+    if alone or not isinstance(values, Iterable):
+        raise InputError(f"{name}: {quoted(values)}; give {what}")
+    return tuple(values)
+
+
 def instances(
     name: str, values: object, kind: type[Kind], *, empty: bool = True
 ) -> tuple[Kind, ...]:
@@ -233,9 +245,7 @@ def instances(
     Raises:
         InputError: when they are of another, or there are none.
     """
-    if not isinstance(values, Iterable) or isinstance(values, (str, bytes)):
-        raise InputError(f"{name}: {quoted(values)}; give a list of {kind.__name__}")
-    found = tuple(values)
+    found = listed(name, values, f"a list of {kind.__name__}")
     for number, value in enumerate(found):
         if not isinstance(value, kind):
             instance(f"{name}[{number}]", value, kind)
@@ -253,6 +263,10 @@ def path_of(name: str, value: object) -> Path:
 
 def with_methods(name: str, value: Kind, *methods: str) -> Kind:
     """An object of whatever class that has these methods, or an `InputError`."""
+    if isinstance(value, type) and methods != ("__call__",):
+        raise InputError(f"{name}: the class {value.__name__}; give an object of it")
+    if "__len__" in methods and getattr(value, "ndim", 1) == 0:
+        raise InputError(f"{name}: {quoted(value)}; give several")
     for method in methods:
         if not callable(getattr(value, method, None)):
             raise InputError(f"{name}: {quoted(value)}; give an object with the method {method}")
@@ -281,6 +295,8 @@ def alike(**arrays: Sized) -> None:
     ...
     tutorial_lib.errors.InputError: starts: 2, goals: 3; give as many of each
     """
+    for name, array in arrays.items():
+        with_methods(name, array, "__len__")
     if len({len(array) for array in arrays.values()}) > 1:
         lengths = ", ".join(f"{name}: {len(array)}" for name, array in arrays.items())
         raise InputError(f"{lengths}; give as many of each")

@@ -289,6 +289,10 @@ def _anything(argument: Argument) -> Argument:
         "None": (None, REFUSED),
         "text": ("abc", REFUSED),
         "object": (object(), REFUSED),
+        "bytes": (b"abc", REFUSED),
+        "scalar array": (np.array(-1.5), EITHER),
+        "empty array": (np.empty(0), EITHER),
+        "no truth": (np.array([object(), object()]), REFUSED),
     }
     return argument
 

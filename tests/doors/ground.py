@@ -155,7 +155,7 @@ DOORS = {
     "for_each": lambda: call(
         parallel.for_each,
         work=function(str),
-        items=a([1, 2], takes="list", either="text"),
+        items=a([1, 2], takes="list", either="text, no truth"),
         label=text("squares"),
         jobs=whole(1, refuses="huge"),
     ),
@@ -180,6 +180,7 @@ WITHOUT = {
             "images",
             "instance",
             "instances",
+            "listed",
             "integers",
             "match",
             "number",

@@ -86,7 +86,7 @@ def saved(function):
 
     def run(path, **rest):
         with tempfile.TemporaryDirectory() as folder:
-            if path == "plan.json":
+            if isinstance(path, str) and path == "plan.json":
                 path = Path(folder) / path
                 world.save_plan(plan(), path)
             return function(path, **rest)
@@ -117,7 +117,7 @@ def beside(files, function):
 def written(plan, path):
     """The plan, written into a folder of its own."""
     with tempfile.TemporaryDirectory() as folder:
-        world.save_plan(plan, Path(folder) / path if path == "plan.json" else path)
+        world.save_plan(plan, Path(folder) / path if isinstance(path, str) else path)
 
 
 def names(**more):

@@ -110,7 +110,9 @@ class ReturningAgent:
             settings: when to plan.
         """
         self._memory = instance("memory", memory, MapAgent)
-        self._explorer = explorer and with_methods("explorer", explorer, "start", "act")
+        if explorer is not None:
+            with_methods("explorer", explorer, "start", "act")
+        self._explorer = explorer
         settings = ReturnSettings() if settings is None else settings
         self._settings = instance("settings", settings, ReturnSettings)
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import networkx as nx
@@ -23,6 +23,7 @@ from tutorial_lib.interfaces import (
 )
 from tutorial_lib.topology.mapping.sparsify import contextified, every_nth
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.planner import excluded_edges
 from tutorial_lib.validation import instance, instances, number, whole, with_methods
 
 
@@ -117,19 +118,17 @@ class SPTMAgent(MapAgent):
         """
         instance("observation", observation, Observation)
         instance("goals", goals, Goals)
-        instance("excluded", excluded, Collection)
-        if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in excluded):
-            raise InputError("excluded: give edges, tuples of two vertices each")
+        given = excluded_edges(excluded)
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")
-        allowed = [(HERE, int(vertex)) not in excluded for vertex in alive]
+        allowed = [(HERE, int(vertex)) not in given for vertex in alive]
         if not any(allowed):
             return Plan(refusal="every first step is excluded")
         alike = np.where(allowed, similarities(observation, self.topomap)[0], -1.0)
         here = int(alive[alike.argmax()])
         there = alive[similarities(goals.observations, self.topomap).argmax(axis=1)]
-        graph = nx.restricted_view(graph, [], excluded)
+        graph = nx.restricted_view(graph, [], given)
         reached = nx.single_source_shortest_path(graph, here)
         paths = {goal: reached[int(v)] for goal, v in enumerate(there) if int(v) in reached}
         if not paths:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from tutorial_lib.exploration.episodes import (
     EpisodeSource,
     exploration_world,
 )
-from tutorial_lib.validation import instance, whole
+from tutorial_lib.validation import instance, listed, whole
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.importers import import_map
@@ -96,7 +96,7 @@ def _floor_plan(plan: str | Path | FloorPlan) -> FloorPlan:
 
 def _seeds(worlds: Sequence[int]) -> tuple[int, ...]:
     """Seeds of worlds, checked."""
-    given = list(worlds) if isinstance(worlds, Iterable) else []
+    given = listed("worlds", worlds, "seeds of worlds")
     whole = [isinstance(seed, int | np.integer) and seed >= 0 for seed in given]
     if not given or not all(whole):
         raise InputError(f"worlds: {worlds!r}; give seeds, at least one, whole numbers from 0 on")

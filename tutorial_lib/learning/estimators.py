@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from torch import Tensor
 
 from tutorial_lib.errors import InputError
@@ -80,12 +80,12 @@ class _Estimator:
         Raises:
             InputError: when the images have another size, or k does not fit the network.
         """
-        wanted, contexts = self.architecture.images, np.asarray(contexts)
+        wanted, contexts = self.architecture.images, _array_of("contexts", contexts)
         alone = self.takes_alone and contexts.ndim == 5 and contexts.shape[1] == 1
         if not alone and (contexts.ndim != 5 or contexts.shape[1] != wanted):
             raise InputError(
-                f"targets: contexts {contexts.shape}; this network has k = {self.architecture.k}: "
-                f"give (M, {wanted}, H, W, C), each target with its context"
+                f"contexts of the prepared targets: {contexts.shape}; this network has k = "
+                f"{self.architecture.k}: give (M, {wanted}, H, W, C), each target with its context"
             )
         if self.network.stacked:
             encoded = self.network.encode_targets(self.view.numbers(contexts))
@@ -236,6 +236,14 @@ class RelativeNetwork(ReachabilityNetwork):
         """Probabilities (N,) and poses (N, 3) of the network's outputs (N, 5)."""
         heading = np.arctan2(outputs[:, 4], outputs[:, 3])
         return self.calibration(outputs[:, 0]), np.column_stack([outputs[:, 1:3], heading])
+
+
+def _array_of(name: str, values: ArrayLike) -> NDArray:
+    """Values as an array of whatever they are; an `InputError` for rows of different lengths."""
+    try:
+        return np.asarray(values)
+    except ValueError:
+        raise InputError(f"{name}: rows of different lengths; give an array") from None
 
 
 def _check_targets(name: str, targets: EncodedTargets | NDArray) -> None:

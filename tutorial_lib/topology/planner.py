@@ -16,7 +16,7 @@ from tutorial_lib.interfaces import HERE, Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
-from tutorial_lib.validation import instance, number, whole, with_methods
+from tutorial_lib.validation import instance, listed, number, whole, with_methods
 
 _HERE, _GOAL = "here", "goal"
 Edge = tuple[Any, Any, float]
@@ -75,14 +75,12 @@ class DijkstraPlanner:
             raise InputError(f"plan: {len(observation)} observations; give one observation")
         instance("goals", goals, Goals)
         instance("topomap", topomap, TopoMap)
-        instance("excluded", excluded, Collection)
-        if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in excluded):
-            raise InputError("excluded: give edges, tuples of two vertices each")
+        given = excluded_edges(excluded)
         graph = topomap.graph.copy()
-        graph.remove_edges_from(excluded)
+        graph.remove_edges_from(given)
         here, reach = self._from_here(topomap, observation)
         starts = [(_HERE, int(v), p) for v, p in zip(here, reach, strict=True)]
-        _add(graph, [edge for edge in starts if (HERE, edge[1]) not in excluded], self.p_query)
+        _add(graph, [edge for edge in starts if (HERE, edge[1]) not in given], self.p_query)
         finishes = self._finishes(topomap, observation, goals)
         _add(graph, finishes, self.p_goal)
         found = _most_probable(graph)
@@ -126,6 +124,14 @@ class DijkstraPlanner:
             return topomap.alive, belief[0]
         near = topomap.nearby(observation, self.candidates)[0]
         return near, topomap.vertices.into(observation, np.zeros_like(near), near)
+
+
+def excluded_edges(excluded: Collection[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
+    """The edges that a plan must not use, or an `InputError`."""
+    given = listed("excluded", excluded, "edges, tuples of two vertices each")
+    if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in given):
+        raise InputError("excluded: give edges, tuples of two vertices each")
+    return given
 
 
 def _add(graph: nx.DiGraph, edges: list[Edge], least: float) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.validation import instance
+from tutorial_lib.validation import instance, integers
 
 
 def check_seen(observations: Observation) -> None:
@@ -16,7 +16,9 @@ def check_seen(observations: Observation) -> None:
     Raises:
         InputError: when it is something else.
     """
-    if not (isinstance(observations, np.ndarray) and observations.ndim):
+    if isinstance(observations, np.ndarray) and observations.dtype.kind in "iu":
+        integers("observations", observations, ("N",))
+    else:
         instance("observations", observations, Observation)
 
 

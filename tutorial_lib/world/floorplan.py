@@ -130,7 +130,7 @@ class FloorPlan:
             _check_outline(f"rooms[{i}].outline", room.outline, bounds)
             if room.kind not in ROOM_KINDS:
                 raise InputError(f"rooms[{i}].kind: {room.kind!r}; use one of {ROOM_KINDS}")
-        if not self.rooms:
+        if not len(self.rooms):
             raise InputError("rooms: there are none; a plan needs at least one room to be in")
         for i, door in enumerate(self.doors):
             _check_door(f"doors[{i}]", door, len(self.rooms), bounds)

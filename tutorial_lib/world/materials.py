@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import floats, instance, instances, number, whole
+from tutorial_lib.validation import floats, instance, instances, number, one_of, whole
 
 PERIOD = 25.6
 """Metres after which a strip repeats: longer than the perimeter of most rooms."""
@@ -87,8 +87,7 @@ class Look:
     def __post_init__(self) -> None:
         _check_colour("look.floor", self.floor)
         _check_colour("look.ceiling", self.ceiling)
-        if self.palette not in ("standard", "shifted"):
-            raise InputError(f"look.palette: {self.palette!r}; give 'standard' or 'shifted'")
+        one_of("look.palette", self.palette, ("standard", "shifted"))
         number("look.gamma", self.gamma, least=0.2, most=5.0)
         number("look.noise", self.noise, least=0.0, most=64.0)
 

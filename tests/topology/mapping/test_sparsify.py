@@ -150,7 +150,7 @@ def test_anything_that_an_array_selects_from_can_be_prepared():
         ),
         (lambda r: every_nth(1, 3), "1 frames"),
         (lambda r: every_nth(9, 0), "n: 0; give one whole"),
-        (lambda r: contextified(np.zeros((0, 2)), 1), "without an image"),
+        (lambda r: contextified(np.zeros((0, 2)), 1), "there are none"),
         (lambda r: contextified(np.zeros((3, 2)), -1), "k: -1; give one whole"),
         (
             lambda r: stored_frames([0, 9], 9, 2),

@@ -39,11 +39,11 @@ def parse_drives(text: str) -> str:
     >>> parse_drives("0.40")
     '0.4'
     """
-    if text in ("", TOUR, CONTINUOUS):
+    if validation.instance("drives", text, str) in ("", TOUR, CONTINUOUS):
         return text
     try:
         share = float(text)
-    except (TypeError, ValueError):
+    except ValueError:
         share = 0.0
     if not 0.0 < share <= 1.0:
         raise InputError(f"--drives {text}: give a share as 0.2, {TOUR} or {CONTINUOUS}")
@@ -128,6 +128,7 @@ def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> ND
     """
     validation.instance("whole", whole, Building)
     validation.instance("trials", trials, Trials)
+    drives = parse_drives(drives)
     separate = TOUR if drives == CONTINUOUS else drives
     return driven(part_of(whole, separate, seed), trials, NEAR, FACING)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Sized
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -40,7 +40,7 @@ class AnchorPaths:
 
     def __post_init__(self) -> None:
         for name in ("targets", "prepared", "paths"):
-            instance(name, getattr(self, name), Sized)
+            with_methods(name, getattr(self, name), "__len__")
         if len(self.targets) != len(self.prepared):
             raise InputError(
                 f"paths: {len(self.targets)} targets but {len(self.prepared)} prepared for "
@@ -60,7 +60,7 @@ class AnchorPaths:
     @classmethod
     def end_to_end(cls, targets: Targets, prepared: Any, lengths: ArrayLike) -> AnchorPaths:  # noqa: ANN401
         """Paths of so many anchors each, which lie one after the other among the targets."""
-        instance("targets", targets, Sized)
+        with_methods("targets", targets, "__len__")
         lengths = integers("lengths", lengths, ("N",), least=1, empty=False)
         bounds = np.cumsum([0, *lengths])
         if bounds[-1] != len(targets):

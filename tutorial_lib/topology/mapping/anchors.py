@@ -39,7 +39,7 @@ class Anchors:
 
     def __post_init__(self) -> None:
         check_seen(self.observations)
-        instance("contexts", self.contexts, np.ndarray)
+        with_methods("contexts", instance("contexts", self.contexts, np.ndarray), "__len__")
         floats("timestamps", self.timestamps, ("A",))
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
         if len(set(counts)) > 1 or counts[0] < 2:

@@ -46,7 +46,7 @@ def sparsify(
     check_seen(observations)
     frames = len(observations)
     _check_frames(frames)
-    if isinstance(prepared, str):
+    if isinstance(prepared, str | bytes):
         raise InputError("prepared: a text; give what the `prepare` of RE returned")
     if len(with_methods("prepared", prepared, "__len__", "__getitem__")) != frames:
         raise InputError(
@@ -101,7 +101,7 @@ def contextified(images: NDArray, k: int) -> NDArray:
     if images.dtype.kind not in "biuf" or not images.ndim:
         raise InputError("images: not numbers (T, ...); give the images of a trajectory")
     if not len(images):
-        raise InputError("contextified: a trajectory without an image; give (T, ...)")
+        raise InputError("images: there are none; give those of a trajectory (T, ...)")
     _check_context(k)
     last = len(images) - 1
     return images[frames_around(np.arange(len(images)), k, 0, last)]

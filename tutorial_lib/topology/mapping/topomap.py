@@ -18,7 +18,16 @@ from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, w
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
 from tutorial_lib.topology.mapping.vertices import Indices, Vertices
 from tutorial_lib.topology.query import check_seen
-from tutorial_lib.validation import alike, floats, instance, integers, number, whole, with_methods
+from tutorial_lib.validation import (
+    alike,
+    floats,
+    instance,
+    integers,
+    listed,
+    number,
+    whole,
+    with_methods,
+)
 
 
 class TopoMap:
@@ -178,8 +187,8 @@ class TopoMap:
 
     def remove(self, vertices: Iterable[int]) -> None:
         """Remove vertices; the others keep their indices."""
-        instance("vertices", vertices, Iterable)
-        gone = {self._check_vertex("vertices", vertex) for vertex in vertices}
+        given = listed("vertices", vertices, "a list of vertices")
+        gone = {self._check_vertex("vertices", vertex) for vertex in given}
         if not gone:
             return
         self.graph.remove_nodes_from(gone)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.validation import floats, images, instance, integers, number, whole
+from tutorial_lib.validation import floats, images, instance, integers, listed, number, whole
 
 Picture = NDArray[np.uint8]
 
@@ -33,9 +33,8 @@ def resized(picture: Picture, size: tuple[int, int], how: int) -> Picture:
 
 def pictures_of(name: str, values: Iterable[ArrayLike]) -> list[Picture]:
     """Pictures, each of a size of its own, or an `InputError`."""
-    if not isinstance(values, Iterable):
-        raise InputError(f"{name}: {values!r}; give a list of pictures")
-    return [picture_of(f"{name}[{number}]", value) for number, value in enumerate(values)]
+    given = listed(name, values, "a list of pictures")
+    return [picture_of(f"{name}[{number}]", value) for number, value in enumerate(given)]
 
 
 def check_canvas(picture: Picture) -> None:
@@ -78,9 +77,7 @@ def pairs_of(
     value: Iterable[tuple[int, int]], count: int, of: str, name: str = "edges"
 ) -> list[tuple[int, int]]:
     """Edges between that many nodes or poses, or an `InputError`."""
-    if not isinstance(value, Iterable):
-        raise InputError(f"{name}: {value!r}; give pairs of vertices")
-    found = list(value)
+    found = list(listed(name, value, "pairs of vertices"))
     if found:
         integers(f"{name} between {count} {of}", found, ("E", 2), least=0, most=count - 1)
     return found

@@ -121,7 +121,7 @@ def follower_strip(
     instance("view", view, PlanView)
     base, side = picture_of("base", base), pixels_of("side", side, least=12)
     reach = number("reach", reach, above=0.0, most=LARGEST / 3 / view.scale)
-    discs = instance("discs", discs or {}, Mapping)
+    discs = instance("discs", {} if discs is None else discs, Mapping)
     steps = integers(
         f"steps of {len(poses)} poses", steps, ("S",), least=0, most=len(poses) - 1, empty=False
     ).tolist()
@@ -199,7 +199,7 @@ def cover_chart(
         levels: cover rates to compare with, from 0 to 1, as lines with these names.
     """
     against = one_of("against", against, ("sparsity", "stored"))
-    levels = instance("levels", levels or {}, Mapping)
+    levels = instance("levels", {} if levels is None else levels, Mapping)
     for row in instances("rows", rows, Mapping, empty=False):
         if missing := _COLUMNS - row.keys():
             raise InputError(f"rows: one has no {min(missing)}; give rows of meng_fig7")

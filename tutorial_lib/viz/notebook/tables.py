@@ -95,7 +95,7 @@ def table(
     except (TypeError, ValueError) as error:
         raise InputError(f"columns, rows: {error}; give values that fit the formats") from error
     bold = set()
-    for name, choose in instance("best", best or {}, Mapping).items():
+    for name, choose in instance("best", {} if best is None else best, Mapping).items():
         i = names.index(one_of("best", name, names))
         known = [row[i] for row in rows if row[i] is not None]
         bold |= {(n, i) for n, row in enumerate(rows) if known and row[i] == choose(known)}

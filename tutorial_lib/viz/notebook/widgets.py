@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 import html
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import ipyevents
@@ -17,7 +17,7 @@ import ipywidgets
 import numpy as np
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import instance, with_methods
+from tutorial_lib.validation import instance, listed, with_methods
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.film import png
 from tutorial_lib.viz.notebook.teleoperation import (
@@ -262,7 +262,8 @@ def sliders(
         raise InputError("sliders: no range; give name=(low, high, step, value)")
     if not callable(render):
         raise InputError(f"render: {render!r}; give a function")
-    return SliderPanel(render, ranges, instance("labels", labels or {}, Mapping))
+    labels = {} if labels is None else instance("labels", labels, Mapping)
+    return SliderPanel(render, ranges, labels)
 
 
 def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> Control:
@@ -272,9 +273,7 @@ def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> 
         "layout": ipywidgets.Layout(width="40em", max_width="100%"),
     }
     advice = f"sliders: {name}={span!r}; give (low, high, step, value) or words"
-    if isinstance(span, str) or not isinstance(span, Iterable):
-        raise InputError(advice)
-    given = tuple(span)
+    given = listed(f"sliders: {name}", span, "(low, high, step, value) or words")
     if given and all(isinstance(word, str) for word in given):
         return ipywidgets.Dropdown(options=given, value=given[0], **look)
     real = [n for n in given if isinstance(n, int | float | np.integer | np.floating)]

@@ -30,7 +30,7 @@ def parse_region(region: str) -> tuple[float, ...]:
     """
     try:
         return checked_region([float(part) for part in region.split(",")])
-    except (ValueError, AttributeError):
+    except (ValueError, AttributeError, TypeError):
         raise InputError(f"region: {region!r}; give x0,y0,x1,y1 or x,y in metres") from None
 
 
