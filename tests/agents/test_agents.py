@@ -319,6 +319,17 @@ def test_an_agent_learns_a_sparse_map_trajectory_by_trajectory():
     assert agent.topomap.vertices.timestamps.max() >= 100.0
 
 
+def test_an_agent_that_has_learned_nothing_says_so():
+    goals = [Goals(sensed(np.zeros((1, 3))), np.zeros((1, 3, 1)))]
+    with pytest.raises(InputError, match="map: none; let the agent learn first"):
+        meng().start(goals)
+
+
+def test_a_class_in_place_of_a_part_is_refused():
+    with pytest.raises(InputError, match="controller: the class LineController; give an object"):
+        meng(controller=LineController)
+
+
 def test_it_is_the_same_map_however_it_is_learned():
     one, two = meng(), meng()
     experiences = [driven_along(0, 6), driven_along(4, 12, 50.0), driven_along(6.02, 0, 99.0)]

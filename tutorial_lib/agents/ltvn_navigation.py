@@ -23,7 +23,7 @@ from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded, shortest_paths
 from tutorial_lib.topology.mapping.image_pool import length
 from tutorial_lib.topology.mapping.sampling_map import SampledMap
-from tutorial_lib.validation import instances
+from tutorial_lib.validation import floats, instances
 from tutorial_lib.world.simulation import STEP
 
 _ALL = 4 * np.pi  # rad that a robot turns while it searches
@@ -92,7 +92,8 @@ class LTVNNavigation:
                 seen = observations[np.array(rows)]
                 aims = np.array([legs[i].aim[:2] for i in rows])
                 waypoints = to_local(seen.odometry, aims)
-                actions[rows] = controller.act(seen, waypoints)
+                chosen = controller.act(seen, waypoints)
+                actions[rows] = floats("actions", chosen, (len(rows), 2))
         turning = ~driving & ~over[robots]
         if turning.any():
             actions[turning] = self._rotation.act(observations[turning], robots[turning])

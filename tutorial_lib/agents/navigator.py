@@ -21,6 +21,7 @@ from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.whereabouts import Whereabouts
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import (
     Controller,
     Edges,
@@ -257,7 +258,13 @@ class MapAgent(ABC):
         """Plan over the map from what one robot observes to a goal."""
 
     def start(self, goals: Sequence[Goals]) -> MapNavigation:
-        """Send robots to one goal each."""
+        """Send robots to one goal each.
+
+        Raises:
+            InputError: when nothing was learned.
+        """
+        if not len(self.topomap):
+            raise InputError("map: none; let the agent learn first")
         return MapNavigation(
             self.find_path, self.make_follower(), self.targets(), goals, self.replan_time
         )

@@ -11,6 +11,7 @@ from pathlib import Path
 from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.commands.map_options import add_map
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.cluster import on_cluster
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import (
@@ -86,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--drives",
-        type=parse_drives,
+        type=_drives,
         default="",
         metavar="SHARE",
         help="what agents learn of the drives: a share such as 0.2, so that most trials must be "
@@ -115,6 +116,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="for places that look alike (notebook 07): each alone, all but one, or all",
     )
     parser.add_argument("--body", choices=BODIES, default=ROUND, help="of robots that explore")
+
+
+def _drives(text: str) -> str:
+    try:
+        return parse_drives(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error).removeprefix("--drives ")) from None
 
 
 def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) -> None:

@@ -20,7 +20,10 @@ from tutorial_lib.reading.regular import failure, read_bytes
 
 _PNM = re.compile(rb"P[2356]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"(?=\s)")
 _LONGEST_HEADER = 10_000  # bytes of a PNM's, comments included
-_NOT_WHOLE = "this is no whole PGM, PPM, PNG, BMP, JPEG or TIFF picture; was it cut off?"
+_NOT_WHOLE = (
+    "this is no whole PGM, PPM, PNG, BMP, JPEG or TIFF picture; was it cut off, or is it of "
+    "another kind?"
+)
 _AS_THEY_ARE = ("L", "LA", "RGB", "RGBA", "I;16", "I;16B")
 """Pillow's names of pixels whose numbers are taken; others are converted, or refused."""
 _CONVERTED = {"1": "L", "P": "RGBA", "PA": "RGBA", "RGBa": "RGBA", "La": "LA"} | dict.fromkeys(

@@ -107,7 +107,7 @@ def test_a_wrong_class_is_told_what_each_seam_needs(own):
         words = str(error.value)
         for seam in seams:
             assert f"{seam}: {', '.join(MEMBERS[seam])}" in words
-        assert words.endswith("; for a predictor it lacks k, prepare")
+        assert words.endswith("; as predictor it lacks k, prepare")
     with pytest.raises(InputError, match=r"no component \(explorer: start, act\)$"):
         load_own(where, ["explorer"])
 

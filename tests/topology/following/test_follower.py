@@ -1,6 +1,7 @@
 """The follower's transitions with fakes in a corridor of numbers; see also test_follower_worlds."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -416,6 +417,14 @@ class Stuck(CorridorController):
 
     def act(self, observations, waypoints):
         return 0.0 * super().act(observations, waypoints)
+
+
+@pytest.mark.parametrize("shape", [(2,), (1, 2), (2, 3)])
+def test_actions_of_another_shape_are_refused(shape):
+    corridor, follower = make(starts=[0.0, 1.0])
+    follower.controller = SimpleNamespace(act=lambda *_: np.zeros(shape))
+    with pytest.raises(InputError, match=r"actions: shape .*; give real numbers of shape \(2, 2\)"):
+        go(corridor, follower, 1)
 
 
 def test_an_anchor_that_comes_no_nearer_is_left_as_it_is():

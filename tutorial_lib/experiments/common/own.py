@@ -51,7 +51,7 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
     needed = "; ".join(f"{seam}: {', '.join(MEMBERS[seam])}" for seam in seams)
     begun = [seam for seam in seams if len(missing[seam]) < len(MEMBERS[seam])]
     nearest = min(begun, key=lambda seam: len(missing[seam]), default=None)
-    lacks = f"; for a {nearest} it lacks {', '.join(missing[nearest])}" if nearest else ""
+    lacks = f"; as {nearest} it lacks {', '.join(missing[nearest])}" if nearest else ""
     raise InputError(f"--agent {where}: has the methods of no component ({needed}){lacks}")
 
 

@@ -30,7 +30,7 @@ from tutorial_lib.topology.following.transitions import (
     next_active,
 )
 from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns, checked_turns
-from tutorial_lib.validation import instance, integers, whole, with_methods
+from tutorial_lib.validation import floats, instance, integers, whole, with_methods
 from tutorial_lib.world.simulation import STEP
 
 
@@ -275,5 +275,6 @@ class Follower:
         if moving.size:
             seen = observations[moving]
             waypoints = to_local(seen.odometry, self.memory.waypoints[robots[moving]])
-            actions[moving] = self.controller.act(seen, waypoints)
+            chosen = self.controller.act(seen, waypoints)
+            actions[moving] = floats("actions", chosen, (len(moving), 2))
         return actions
