@@ -1,5 +1,6 @@
 """Builds notebooks from their sources, and mutates their solutions to try the checks."""
 
+from tutorial_lib.builder.contact_sheet import contact_sheet, write_contact_sheet
 from tutorial_lib.builder.guides import write_guides
 from tutorial_lib.builder.mutants import (
     Survivor,
@@ -28,6 +29,7 @@ __all__ = [
     "Survivor",
     "build",
     "compact_imports",
+    "contact_sheet",
     "execute",
     "exercises",
     "for_students",
@@ -38,6 +40,7 @@ __all__ = [
     "survivors",
     "to_text",
     "unmarked",
+    "write_contact_sheet",
     "write_guides",
     "write_slides",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tutorial_lib.builder import build, write_guides, write_slides
+from tutorial_lib.builder import build, write_contact_sheet, write_guides, write_slides
 from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.course import is_checkout
 from tutorial_lib.errors import InputError
@@ -46,4 +46,6 @@ def run(options: argparse.Namespace) -> int:
     for name in names:
         for file in build(known[name], PROJECT, students_only=options.students):
             print(f"wrote {file.relative_to(PROJECT)}")
+    if not options.students:
+        print(f"wrote {write_contact_sheet(PROJECT).relative_to(PROJECT)}")
     return 0

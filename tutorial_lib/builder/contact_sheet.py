@@ -1,0 +1,58 @@
+"""The first picture of every notebook, with the question below it, on one sheet for teachers."""
+
+from __future__ import annotations
+
+from base64 import b64decode
+from pathlib import Path
+
+import cv2
+import nbformat
+import numpy as np
+
+from tutorial_lib.builder.page import title_of
+from tutorial_lib.files import atomic_path
+from tutorial_lib.viz.canvas.given import Picture
+from tutorial_lib.viz.figures.film import png
+from tutorial_lib.viz.figures.panels import side_by_side, stacked
+
+FILE = Path(".pictures/first_screens.png")
+"""In the project."""
+_COLUMNS, _HEIGHT = 3, 400
+
+
+def write_contact_sheet(project: Path) -> Path:
+    """Write the sheet of the solved notebooks in the project's folder.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    target = project / FILE
+    with atomic_path(target) as temporary:
+        temporary.write_bytes(png(contact_sheet(sorted(project.glob("solutions/*.py")))))
+    return target
+
+
+def contact_sheet(sources: list[Path]) -> Picture:
+    """The first picture of each notebook, below its title.
+
+    Args:
+        sources: ``solutions/NN_name.py``, beside which the solved notebooks are.
+    """
+    tiles = [(first_picture(source.with_suffix(".ipynb")), title_of(source)) for source in sources]
+    rows = [tiles[first : first + _COLUMNS] for first in range(0, len(tiles), _COLUMNS)]
+    return stacked(
+        [side_by_side(*map(list, zip(*row, strict=True)), height=_HEIGHT, gap=24) for row in rows]
+    )
+
+
+def first_picture(solved: Path) -> Picture:
+    """The first picture that a solved notebook shows, in RGB."""
+    cells = nbformat.read(solved, as_version=4).cells
+    pictures = (
+        output.data["image/png"]
+        for cell in cells
+        for output in cell.get("outputs", [])
+        if "image/png" in output.get("data", {})
+    )
+    data = np.frombuffer(b64decode(next(pictures)), np.uint8)
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1], np.uint8)
