@@ -131,6 +131,16 @@ def test_a_changed_canary_asks_for_a_new_measurement(report, one_result, monkeyp
     assert not one_result
 
 
+def test_where_the_course_is_installed_the_command_is_its_own(
+    report, one_result, monkeypatch, capsys
+):
+    monkeypatch.setattr(provenance, "made_from", lambda *_: report.made_from | {CANARY: []})
+    monkeypatch.setattr(results, "is_checkout", lambda: False)
+    assert results.check_results() != 0
+    said = capsys.readouterr().out
+    assert "measure again: topological-navigation experiment meng_fig6 --json FILE" in said
+
+
 @pytest.mark.parametrize("success", [0.5, 0.75])
 def test_on_another_processor_only_the_same_rows_tell(
     report, one_result, capsys, monkeypatch, success

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from tutorial_lib.commands import experiment
 from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.commands.measuring import measuring_block
-from tutorial_lib.course import course_folder
+from tutorial_lib.course import NAME, course_folder, is_checkout
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.provenance import CHANGED, FITS, checked, standing_of
@@ -44,7 +44,8 @@ def check_results() -> int:
     """Say what no longer fits, and what to do about it."""
     again = unfit()
     for name in again:
-        print(f"measure again: {command_of(name)}")
+        installed = f"{NAME} {EXPERIMENTS[name]} --json FILE"
+        print(f"measure again: {command_of(name) if is_checkout() else installed}")
     return WRONG_INPUT if again else 0
 
 
