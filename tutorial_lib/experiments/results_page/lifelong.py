@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
 from tutorial_lib.experiments.results_page.markdown import Row, interval, number, percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Text,
@@ -149,6 +150,29 @@ def spurious(rows: Rows) -> str:
         *((f"{50 * n + 1} to {50 * (n + 1)}", in_block(n)) for n in numbers),
         ("injected, gone", lambda row: percent(row["injected_gone"], 0)),
         ("true, pruned", lambda row: percent(row["true_pruned"])),
+    )
+
+
+def change(rows: Rows) -> str:
+    """Success, and seconds of a drive, in the first and the last queries of each phase."""
+    last = max(column(rows, "block"))
+
+    def within(phase: str, block: int) -> Text:
+        def text(row: Row) -> str:
+            there = one(rows, agent=row["agent"], phase=phase, block=block)
+            return f"{percent(there['success'], 0)}, {number(there['seconds'], 0)} s"
+
+        return text
+
+    count = count_of(rows[0])
+    return listing(
+        matching(rows, block=0, phase=OPEN),
+        ("agent", lambda row: AGENTS[row["agent"]]),
+        *(
+            (f"{phase}, {which} {count}", within(phase, block))
+            for phase in PHASES
+            for which, block in (("first", 0), ("last", last))
+        ),
     )
 
 
