@@ -546,9 +546,9 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 def reach_loss(logits, labels, weights):
     """The weighted mean of the cross-entropy.
 
-    logits: (N,) any, even 1000. labels: (N,) from 0 to 1. weights: (N,)
-    0 or greater, not all 0. Returns one number: the sum of weight times loss
-    over the sum of the weights.
+    logits: (N,) any numbers, even 1000. labels: (N,) from 0 to 1. weights:
+    (N,) 0 or greater, not all 0. Returns one number: the sum of weight times
+    loss over the sum of the weights.
     """
     ### BEGIN SOLUTION
     each = np.logaddexp(0.0, logits) - labels * logits

@@ -1510,7 +1510,7 @@ for axis, calibrated in zip(axes, (False, True), strict=True):
 axes[0].set_ylabel("arrived")
 trials = sum(row["trials"] for row in fig9.rows if not row["calibrated"])
 print(f"{len(fig9.worlds)} worlds, {trials} trials")
-print("\n".join(fig9.notes))
+print("\n".join(finding.line for finding in fig9.findings))
 show(from_figure(figure))
 
 # %% [markdown]

@@ -102,10 +102,8 @@ def for_each(
     if not callable(work):
         raise InputError(f"work: {work!r}; give a function of a module")
     instance("label", label, str)
-    jobs, items = (
-        whole("jobs", jobs, least=-MOST_JOBS, most=MOST_JOBS),
-        listed("items", items, "a list"),
-    )
+    jobs = whole("jobs", jobs, least=-MOST_JOBS, most=MOST_JOBS)
+    items = listed("items", items, "a list")
     if not jobs:
         raise InputError("jobs: 0; give the number of processes, or -1 for as many as cores")
     folder = _folder.get()

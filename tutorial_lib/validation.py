@@ -226,10 +226,10 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
 
 
 def listed(name: str, values: object, what: str) -> tuple[Any, ...]:
-    """What comes one after the other, as in a list; text and an array without axes are none.
+    """What comes one after the other, as in a list; text, bytes and arrays without axes do not.
 
     Raises:
-        InputError: when it does not; it says to give `what`.
+        InputError: for anything else; it says to give `what`.
     """
     alone = isinstance(values, (str, bytes)) or getattr(values, "ndim", 1) == 0
     if alone or not isinstance(values, Iterable):
@@ -288,7 +288,7 @@ def alike(**arrays: Sized) -> None:
     """Arrays that belong together have the same length.
 
     Raises:
-        InputError: when they do not, naming each with its length.
+        InputError: when one has no length, or they differ, naming each with its length.
 
     >>> alike(starts=np.zeros((2, 3)), goals=np.zeros((3, 2)))
     Traceback (most recent call last):

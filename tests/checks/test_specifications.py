@@ -125,7 +125,15 @@ def in_place_of_floats(value, make):
 
 
 @pytest.mark.filterwarnings("error::numpy.exceptions.ComplexWarning")
-@pytest.mark.parametrize("make", [lambda x: x + 5j, lambda x: x.astype(str)])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x: x + 5j,
+        lambda x: x.astype(str),
+        lambda x: (x + 5j).astype(np.complex64).astype(object),
+        lambda x: x.astype(str).astype(object),
+    ],
+)
 @pytest.mark.parametrize("check", SPECIFIED, ids=lambda check: check.name)
 def test_complex_numbers_and_text_are_no_floats(check, make):
     changed = []

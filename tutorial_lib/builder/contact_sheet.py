@@ -8,9 +8,12 @@ from pathlib import Path
 import cv2
 import nbformat
 import numpy as np
+from nbformat import NotebookNode
 
 from tutorial_lib.builder.page import title_of
+from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
+from tutorial_lib.validation import instance
 from tutorial_lib.viz.canvas.given import Picture
 from tutorial_lib.viz.figures.film import png
 from tutorial_lib.viz.figures.panels import side_by_side, stacked
@@ -24,7 +27,7 @@ def write_contact_sheet(project: Path) -> Path:
     """Write the sheet of the solved notebooks in the project's folder.
 
     Raises:
-        InputError: when the file cannot be written.
+        InputError: when a solved notebook is missing, or the file cannot be written.
     """
     target = project / FILE
     with atomic_path(target) as temporary:
@@ -46,13 +49,22 @@ def contact_sheet(sources: list[Path]) -> Picture:
 
 
 def first_picture(solved: Path) -> Picture:
-    """The first picture that a solved notebook shows, in RGB."""
-    cells = nbformat.read(solved, as_version=4).cells
+    """The first picture that a solved notebook shows, in RGB.
+
+    Raises:
+        InputError: when it is not there, or shows none.
+    """
+    if not solved.is_file():
+        raise InputError(f"{solved}: is not there; build it first")
+    cells = instance("notebook", nbformat.read(solved, as_version=4), NotebookNode).cells
     pictures = (
         output.data["image/png"]
         for cell in cells
         for output in cell.get("outputs", [])
         if "image/png" in output.get("data", {})
     )
-    data = np.frombuffer(b64decode(next(pictures)), np.uint8)
-    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1], np.uint8)
+    found = next(pictures, None)
+    if found is None:
+        raise InputError(f"{solved}: shows no picture; begin the notebook with one")
+    data = np.frombuffer(b64decode(found), np.uint8)
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR), np.uint8)[..., ::-1]

@@ -1,4 +1,4 @@
-"""Writes the notebooks from solutions/*.py."""
+"""Writes the notebooks, their guides, and the sheet of their first pictures."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the guides and the notebooks."""
+    """Write the guides, the notebooks, and the sheet of their first pictures."""
     if not is_checkout():
         raise InputError("build: only in the course's checkout, which has the sources")
     known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}

@@ -115,7 +115,7 @@ def checked(report: Report, name: str, options: Options) -> tuple[Report, str]:
         The report, with the fingerprints of today if its numbers are the same, and what differs.
     """
     then, now = report.made_from, made_from(name, options)
-    if not now[CANARY]:
+    if not (then[CANARY] and now[CANARY]):
         return report, "it has no canary that could tell whether its numbers changed"
     different = changed_rows(then[CANARY], now[CANARY])
     if different and then[PROCESSOR] != now[PROCESSOR]:

@@ -39,7 +39,8 @@ def read_json(path: str | Path, advice: str = "", limit: int = MAX_JSON) -> Any:
         limit: in bytes.
 
     Raises:
-        InputError: when it cannot be read, or is no JSON; it ends with the advice.
+        InputError: when it cannot be read, or is no JSON; about a damaged file it ends with the
+            advice.
     """
     return parse_json(read_text(path, limit, advice), str(path), advice)
 
@@ -48,11 +49,14 @@ def parse_json(text: str, where: str, advice: str = "") -> Any:  # noqa: ANN401
     """What JSON text holds; as NaN and Infinity do, which who reads numbers has to refuse.
 
     Raises:
-        InputError: naming `where` it stands, when it is no JSON, or deeper than `MAX_DEPTH`.
+        InputError: naming `where` it stands, when it is no JSON, has a key twice, or is deeper
+            than `MAX_DEPTH`.
     """
     try:
         if len(text) > MAX_DEPTH and _depth(text) > MAX_DEPTH:
-            raise InputError(f"more than {MAX_DEPTH} lists and mappings within each other")
+            raise InputError(
+                f"more than {MAX_DEPTH} lists and mappings within each other; give fewer"
+            )
         return json.loads(text, object_pairs_hook=_mapping)
     except InputError as error:
         raise failure(where, error, "") from None

@@ -126,12 +126,12 @@ class DijkstraPlanner:
         return near, topomap.vertices.into(observation, np.zeros_like(near), near)
 
 
-def excluded_edges(excluded: Collection[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
+def excluded_edges(excluded: Collection[tuple[int, int]]) -> frozenset[tuple[int, int]]:
     """The edges that a plan must not use, or an `InputError`."""
     given = listed("excluded", excluded, "edges, tuples of two vertices each")
     if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in given):
         raise InputError("excluded: give edges, tuples of two vertices each")
-    return given
+    return frozenset(given)
 
 
 def _add(graph: nx.DiGraph, edges: list[Edge], least: float) -> None:

@@ -50,6 +50,7 @@ GOOD = {
         ({"findings": ["a - b: 0.1"]}, "findings: of another type"),
         ({"findings": [{"what": "a - b"}]}, "value"),
         ({"findings": [FINDING | {"value": "0.1"}]}, "findings: of another type"),
+        ({"findings": [FINDING | {"value": float("nan")}]}, "findings: of another type"),
         ({"findings": [FINDING | {"form": "metre"}]}, "findings: of another type"),
         ({"seed": "0", "quick": 1}, "seed, quick: of another type"),
         ({"seconds": float("nan")}, "seconds: of another type"),

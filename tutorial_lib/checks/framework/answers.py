@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from inspect import Parameter, signature
-from typing import Any
+from typing import Any, SupportsFloat
 
 import networkx as nx
 import numpy as np
@@ -178,8 +178,9 @@ def as_floats(got: object) -> Array:
         TypeError or ValueError: when it holds anything else.
     """
     values = np.asarray(got)
-    odd = values.dtype.kind == "O" and any(
-        isinstance(v, str | bytes | complex) for v in values.flat
+    odd = values.dtype.kind == "O" and not all(
+        isinstance(value, SupportsFloat) and not isinstance(value, np.complexfloating)
+        for value in values.flat
     )
     if values.dtype.kind not in "biufO" or odd:
         raise TypeError

@@ -12,7 +12,8 @@ import inspect
 import os
 import re
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from types import ModuleType
@@ -91,7 +92,10 @@ def load(notebook: str, name: str) -> Function | None:
         InputError: when the file does not run or defines no such function.
     """
     target = path(notebook, name)
-    return read(target, name) if folder() is not None and target.exists() else None
+    if folder() is None or not target.exists():
+        return None
+    with _staying():
+        return read(target, name)
 
 
 def read(file: Path, name: str) -> Function:
@@ -105,25 +109,33 @@ def read(file: Path, name: str) -> Function:
     if spec is None or spec.loader is None:
         raise InputError(f"{file} is no Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
-    leave = os._exit
     try:
-        os._exit = _refuse_to_leave
         spec.loader.exec_module(module)
         function = vars(module).get(name)
     except (KeyboardInterrupt, guard.TimeUp):
         raise
     except BaseException as error:
         raise InputError(f"{file} does not run ({words_of(error)}); {words}") from error
-    finally:
-        os._exit = leave
     if not callable(function):
         raise InputError(f"{file} defines no function {name}; {words}")
     return function
 
 
-def _refuse_to_leave(status: int) -> NoReturn:
-    """In place of `os._exit`, which would end the notebook."""
-    raise SystemExit(status)
+@contextmanager
+def _staying() -> Iterator[None]:
+    """Turn `os._exit`, which would end the notebook, into an error; a forked child may end."""
+    leave, process = os._exit, os.getpid()
+
+    def stay(status: int) -> NoReturn:
+        if os.getpid() != process:
+            leave(status)
+        raise SystemExit(status)
+
+    os._exit = stay
+    try:
+        yield
+    finally:
+        os._exit = leave
 
 
 def _text_of(function: Function, name: str) -> str:

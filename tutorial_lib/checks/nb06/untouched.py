@@ -89,7 +89,7 @@ def number(what: str, got: object, words: str) -> float:
         WrongAnswer: when it is none; `words` say what to return.
     """
     shape = getattr(got, "shape", ())
-    odd = isinstance(got, bool | str | np.complexfloating)
+    odd = isinstance(got, bool | str) or np.asarray(got).dtype.kind not in "biufO"
     if odd or shape != () or not isinstance(got, SupportsFloat):
         raise WrongAnswer(f"{what}: {kind(got)} came back {words}; return a number")
     return float(got)

@@ -29,7 +29,7 @@ class Finding:
 
     Attributes:
         what: it is of, as in "meng - sptm, composed".
-        value: of it.
+        value: of it; None where it is not known.
         low: lower end of its 95 % interval; None where it has none.
         high: upper end likewise.
         form: how it is written: a difference of shares as `POINTS`, a share as `SHARE`, another
@@ -40,7 +40,7 @@ class Finding:
     """
 
     what: str
-    value: float
+    value: float | None
     low: float | None = None
     high: float | None = None
     form: str = POINTS
@@ -51,6 +51,8 @@ class Finding:
         return f"{self.what}: {self}"
 
     def __str__(self) -> str:
+        if self.value is None:
+            return "not known"
         form, scale = FORMS[self.form], 100 if self.form == POINTS else 1
         text = form.format(scale * self.value) + _UNITS.get(self.form, "")
         if self.low is None or self.high is None:
@@ -161,7 +163,8 @@ class Report:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, in which a number that is not finite becomes None."""
-        return asdict(self) | {"rows": finite(self.rows)}
+        findings = [asdict(finding) for finding in self.findings]
+        return asdict(self) | {"rows": finite(self.rows), "findings": finite(findings)}
 
     def as_text(self) -> str:
         """A table to read; lists are only in the JSON."""

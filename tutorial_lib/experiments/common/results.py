@@ -62,9 +62,9 @@ def _check(text: Any) -> None:  # noqa: ANN401 - anything JSON can hold
 
 def _is_finding(found: dict[str, Any]) -> bool:
     """Whether its words and numbers can be those of a `Finding`."""
-    numbers = [found["value"], *(found[end] for end in ("low", "high") if found[end] is not None)]
+    numbers = [found[key] for key in ("value", "low", "high") if found[key] is not None]
     said = isinstance(found["what"], str) and found["form"] in FORMS
-    return said and all(type(number) in (int, float) for number in numbers)
+    return said and all(type(one) in (int, float) and math.isfinite(one) for one in numbers)
 
 
 def _is_list(value: object, kind: type) -> bool:

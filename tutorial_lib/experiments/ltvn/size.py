@@ -13,7 +13,7 @@ import numpy as np
 
 from tutorial_lib.agents.ltvn import TURNS
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.report import Notes, Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.experiments.ltvn.lifelong import (
     FROZEN,
@@ -46,7 +46,7 @@ class Settings:
     queries: int = 50
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     """Run the same queries on every map of every building."""
     found = for_each(run_world, options.worlds, options.seed, settings, label="ltvn_size")
     by_world = dict(zip(options.worlds, found, strict=True))
@@ -61,7 +61,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
             row = {"merge": merge, "connect": connect, "family": family, "worlds": len(worlds)}
             row |= {"queries": len(values), "success": success, "low": low, "high": high}
             rows.append(row | {"vertices": vertices, "edges": edges, "wormholes": wormholes})
-    return rows, []
+    return rows, ()
 
 
 def run_world(world: int, seed: int, settings: Settings) -> dict[tuple[float, float], Lived]:

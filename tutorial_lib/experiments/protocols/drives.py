@@ -125,6 +125,9 @@ def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> ND
         trials: to be sorted.
         drives: as from `parse_drives`.
         seed: of the run.
+
+    Raises:
+        InputError: when an argument is of another kind.
     """
     validation.instance("whole", whole, Building)
     validation.instance("trials", trials, Trials)

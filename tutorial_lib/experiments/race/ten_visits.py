@@ -107,13 +107,13 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Run all agents through the same lives.
 
     Raises:
-        InputError: where weights are missing, before anything is run.
+        InputError: where weights are missing, or the user's class cannot be loaded, before anything
+            is run.
     """
     check_shipped(("nts", "ans_like", "il"), "rgbd")
-    if options.agent:  # a faulty one is refused before any life
+    if options.agent:
         own_runner(options.agent)
-    own = (CUSTOM,) if options.agent else ()
-    settings = replace(settings, agents=(*settings.agents, *own))
+        settings = replace(settings, agents=(*settings.agents, CUSTOM))
     worlds, kinds = options.worlds, {"": settings}
     if settings.changes is not None:
         known = for_each(drawn, worlds, options, settings, label="buildings")

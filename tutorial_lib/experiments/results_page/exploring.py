@@ -187,7 +187,7 @@ def stop_and_noise(results: Results) -> str:
 
 
 def gain_without(results: Results, agent: str, signs: str, condition: str) -> str:
-    """What an agent gains without stopping or noise, as the report on Table 2 says it."""
+    """What an agent gains without stopping or noise, as the report on Table 2 has it."""
     return str(results.finding("nts_table2", f"{agent}, {signs}: {condition} - standard"))
 
 
