@@ -33,11 +33,10 @@ WITHOUT_CANARY = {
     "ablation_encoder",
     "ablation_worlds",
     "ablation_rows",
-    "ltvn_change",
     "meng_fig4",
     "meng_fig11",
 }
-"""They train networks, look for a door that closes, or take hardly longer than a canary."""
+"""They train networks, or take hardly longer than a canary."""
 
 
 @pytest.fixture

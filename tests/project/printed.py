@@ -9,7 +9,8 @@ NUMBER = re.compile(r"[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
 _TIME = re.compile(rf"{NUMBER.pattern}\s?(?:ms|s|seconds|min|minutes)\b")
 _TAG = re.compile(r"<style>.*?</style>|<[^>]+>", re.DOTALL)
 _SHOWN = ("text/html", "text/markdown", "text/plain")
-_ADDRESS = re.compile(r"0x[0-9a-f]+")
+_PLACE = re.compile(r"0x[0-9a-f]+|(?<=^Python )[\d.]+ at \S+", re.MULTILINE)
+"""An address, or this machine's Python."""
 
 
 def printed(cell):
@@ -26,7 +27,7 @@ def printed(cell):
             kind = next((kind for kind in _SHOWN if kind in data), None)
             if kind is not None:
                 parts.append(unescape(_TAG.sub(" ", data[kind])))
-    return _ADDRESS.sub("", "\n".join(parts))
+    return _PLACE.sub("", "\n".join(parts))
 
 
 def differences(before, now):

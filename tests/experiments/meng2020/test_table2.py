@@ -643,6 +643,7 @@ def test_a_planner_after_the_interface_is_good_enough(building, own):
         "        return Plan(refusal='no path')\n"
     )
     agent = agents.custom(own(text))
+    agent.learn(list(experiences(building))[:1])
     trials = at_goals(building, np.zeros(1), np.zeros(1))
     navigation = agent.start(goals_of(trials, VIEWS["camera16"], 5))
     seen = next(experiences(building)).observations[0]
