@@ -275,7 +275,7 @@ for i, (start, end) in enumerate(lured_trials.pairs):
     display(film_of(lured, single_poses, i, lured_trials.goal_poses[i]))
 
 # %% [markdown]
-# Such a leg is a **[[wormhole]]**: one step on the map, a long drive in the building. Both robots say they've arrived, and both are in the wrong room, the twin of the right one. Neither did anything wrong: the photos fit two places.
+# Such a leg is a **[[wormhole]]**: one step on the map, a long drive in the building. Both robots say they've arrived, and both are in a room that only looks like the right one. Neither did anything wrong: the photos fit more than one place.
 #
 # The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that merely look alike have neighbours that don't, sooner or later. We ask for four matches on either side, for edges and for reuse.
 
