@@ -46,10 +46,11 @@ ABLATIONS = {
     "rules": "the agent with rules of the paper that it has not",
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
+    "car": "the body of a car, which cannot turn in place",
     "carried": "lives in which somebody carries the robot elsewhere, twice",
     "changed": "lives in which a door closes, another opens, and furniture moves",
     "ingredients": "the combined agent without one of its parts each",
-    "toured": "robots that were shown the building first, beside the combined agent",
+    "toured": "robots that were shown the building first, by an oracle or while exploring",
     "parts": "the agent without one of its parts at a time",
 }
 """What else an experiment compares, by name: these run in its place."""

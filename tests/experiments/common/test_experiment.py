@@ -171,6 +171,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_fig8 exact",
         "ltvn_lifelong long",
         "ltvn_lifelong parts",
+        "race car",
         "race carried",
         "race changed",
         "race exact",
