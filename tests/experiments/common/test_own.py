@@ -16,7 +16,7 @@ from tutorial_lib.experiments.common.agents import SEAMS, custom
 from tutorial_lib.experiments.common.own import MEMBERS, load_own
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table2
-from tutorial_lib.experiments.meng2020.table2_methods import METHODS
+from tutorial_lib.experiments.meng2020.table2 import METHODS
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.protocols import controllers, exploration, local_control, navigation
 from tutorial_lib.experiments.registry import EXPERIMENTS
