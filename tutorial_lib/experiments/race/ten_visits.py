@@ -169,15 +169,8 @@ def run_life(
     """
     kind, seed, agent = item
     settings = kinds[kind]
-    name = exploration_world(seed, "plain", options.palette)
-    (scene, *later), goals, carries = drawn(seed, options, settings)
-    noise, own = (_stream(seed, options, number) for number in (1, 2))
-    starts = carries[0]
-    lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
-    blank = ("",) * settings.lives
-    episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
-    make_task = CarTask if settings.body == CAR else ChangingTask
-    task = make_task({name: scene}, episodes, noise, noise=settings.drifts)
+    task, later, goals, carries = begun(seed, options, settings)
+    own = _stream(seed, options, 2)
     carried = {visit: carries[visit] for visit in settings.carried}
     rebuilt = {visit: later[0] for visit in (settings.changes,) if visit is not None}
     if agent == CUSTOM:
@@ -186,6 +179,24 @@ def run_life(
             lambda: live(task, own_runner(options.agent), goals, carried, rebuilt),
         )
     return live(task, RUNNERS[agent](task, shipped("nts", "rgbd"), own), goals, carried, rebuilt)
+
+
+def begun(
+    seed: int, options: Options, settings: Settings
+) -> tuple[ExplorationTask, list[Scene], Array, Array]:
+    """The robots in the world of that seed; the scene that it changes to, goals and carries.
+
+    See `drawn`.
+    """
+    (scene, *later), goals, carries = drawn(seed, options, settings)
+    name, starts = exploration_world(seed, "plain", options.palette), carries[0]
+    lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
+    blank = ("",) * settings.lives
+    episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
+    make_task = CarTask if settings.body == CAR else ChangingTask
+    noise = _stream(seed, options, 1)
+    task = make_task({name: scene}, episodes, noise, noise=settings.drifts)
+    return task, later, goals, carries
 
 
 def drawn(
