@@ -340,14 +340,14 @@ source, target = np.unravel_index(ways_back.argmin(), ways_back.shape)
 one_way = Prediction(
     "05",
     "one_way",
-    f"RE from the blue anchor (upper photo) to the green one is {home.reach[source, target]:.3f}, "
-    f"and {home.reach[target, source]:.2f} back. Of {sure.sum()} pairs above 0.99, how many are "
-    "below 0.5 in reverse?",
-    {"A": "this one and few others", "B": "about one in eight", "C": "more than half"},
-    right="B",
-    robot=f"it finds {(back < 0.5).sum()}; {(back > 0.99).sum()} are above 0.99 in reverse, too: "
-    "mostly twins from two drives, a few decimetres apart at most. For a car that can't turn on the "
-    "spot, one-way streets are everywhere.",
+    f"RE from the blue anchor (upper photo) to the green one is {home.reach[source, target]:.3f}. "
+    "And back, from green to blue?",
+    {"A": "about the same", "B": "about a half", "C": "near 0"},
+    right="C",
+    robot=f"back it's {home.reach[target, source]:.2f}. Of {sure.sum()} pairs above 0.99, "
+    f"{(back < 0.5).sum()} are below 0.5 in reverse. {(back > 0.99).sum()} are above 0.99 both ways: "
+    "mostly twins from two drives, a few decimetres apart. For a car that can't turn on the spot, "
+    "one-way streets are everywhere.",
     tempting="A",
     because="the two are so close. But the green one looks onward, and what lies behind a car "
     "isn't in its photo.",
