@@ -433,7 +433,7 @@ table(
 #
 # - **Does it fit at all?** Two rooms never fit well; but something's often hidden, so don't insist on 1.
 # - **Does it slide?** If it fits nearly as well half a metre away in some direction, the match says nothing.
-# - **Is it near the guess?** Since the last match, odometry has mostly drifted less than the 0.5 m and 15° of exercise 1, and never more than **1 m or 30°**.
+# - **Is it near the guess?** Since the last match, odometry has never drifted more than **1 m or 30°**, twice what exercise 1 tries.
 #
 # Here's how well some matches fit. Where would you draw the lines?
 

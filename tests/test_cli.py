@@ -16,7 +16,7 @@ import pytest
 
 from tests.conftest import in_turn, make_box
 from tutorial_lib.cli import main
-from tutorial_lib.commands import narrator
+from tutorial_lib.commands import demo
 from tutorial_lib.commands.lab import lab_arguments
 from tutorial_lib.course import CHECKOUT, cache_folder
 from tutorial_lib.driving.geodesics import GridPaths
@@ -350,7 +350,7 @@ PIPED = """
 import sys
 from tutorial_lib import cli
 from tutorial_lib.commands import progress
-from tutorial_lib.commands.narrator import Narrator
+from tutorial_lib.commands.demo import Narrator
 
 def run(options):
     with Narrator() as say:
@@ -469,8 +469,8 @@ def test_the_version_is_told(capsys):
 
 
 def test_work_that_takes_long_is_told_again_and_again(monkeypatch, capsys):
-    monkeypatch.setattr(narrator, "QUIET", 0.05)
-    with narrator.Narrator() as say:
+    monkeypatch.setattr(demo, "QUIET", 0.05)
+    with demo.Narrator() as say:
         say("counting: 5 sheep")
         time.sleep(0.4)
     lines = capsys.readouterr().out.splitlines()

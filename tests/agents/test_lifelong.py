@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from tutorial_lib.agents.forgetting import Forgetting
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
 from tutorial_lib.agents.lifelong.islands import Island, Islands
@@ -13,6 +12,7 @@ from tutorial_lib.agents.track import Track
 from tutorial_lib.agents.walls import goes_on, match_walls
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.race.runners import Forgetting
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.graph_update import GraphUpdate, Memory

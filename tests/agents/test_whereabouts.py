@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.agents.whereabouts import Whereabouts
+from tutorial_lib.agents.navigator import Whereabouts
 from tutorial_lib.interfaces import HERE
 
 PLACE = np.array([3.0, -1.0, 0.7])

@@ -19,9 +19,15 @@ from tutorial_lib.checks.framework.check import Result
 from tutorial_lib.checks.marking import wire
 from tutorial_lib.checks.marking.handed_in import Student, students_in
 from tutorial_lib.checks.marking.judging import Mark
-from tutorial_lib.checks.marking.reports import Marked, lines_of, write_csv, write_json, write_pages
+from tutorial_lib.checks.marking.reports import (
+    Marked,
+    lines_of,
+    read_weights,
+    write_csv,
+    write_json,
+    write_pages,
+)
 from tutorial_lib.checks.marking.warden import spawning
-from tutorial_lib.checks.marking.weights import read_weights
 from tutorial_lib.checks.marking.worker import all_checks, judge
 from tutorial_lib.cli import main
 from tutorial_lib.errors import InputError

@@ -13,17 +13,16 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.frontier import CROP
 from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import FrontierScorer
-from tutorial_lib.learning import exploration_policies, goal_map_data, goal_map_recipes
+from tutorial_lib.learning import exploration_policies, goal_map_recipes
 from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer
 from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMapSource
-from tutorial_lib.learning.goal_map_data import goal_maps, record_maps
 from tutorial_lib.learning.goal_map_network import (
     GoalMapArchitecture,
     GoalMapNetwork,
     GoalMapObjective,
 )
-from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS, train_goal_map
+from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS, goal_maps, record_maps, train_goal_map
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
@@ -76,7 +75,7 @@ def test_maps_are_half_explored_and_have_a_choice(maps, arrays):
 
 
 def test_maps_with_one_frontier_or_none_are_left_out(seeing, monkeypatch):
-    real, drawn = goal_map_data._looked, []
+    real, drawn = goal_map_recipes._looked, []
 
     def looked(*arguments):
         found = real(*arguments)
@@ -85,7 +84,7 @@ def test_maps_with_one_frontier_or_none_are_left_out(seeing, monkeypatch):
         drawn.append(len(found["remaining"]))
         return found
 
-    monkeypatch.setattr(goal_map_data, "_looked", looked)
+    monkeypatch.setattr(goal_map_recipes, "_looked", looked)
     scene = scene_of("office/1/standard")
     rng = np.random.default_rng(2)
     found = record_maps(scene, "office/1/standard", seeing, {"medium": 2, "hard": 1}, rng)
@@ -113,7 +112,7 @@ def test_frontiers_lie_where_free_space_ends_and_their_metres_are_geodesics(arra
 
 
 def test_recordings_are_kept(maps, folder, seeing, monkeypatch):
-    monkeypatch.setattr(goal_map_data, "record_maps", None)
+    monkeypatch.setattr(goal_map_recipes, "record_maps", None)
     with joblib.parallel_config(backend="threading"):
         again = goal_maps([("office", 1)], seeing, folder, COUNTS, jobs=1)
     for name in ("crops", "frontiers", "remaining", "pairs"):

@@ -179,14 +179,14 @@ MUTATIONS = [
     ),
     (
         "where a robot was seen counts for ever",
-        "agents/whereabouts.py",
+        "agents/navigator.py",
         "> _MOVED:",
         "> 99.0:",
         "agents/test_whereabouts.py",
     ),
     (
         "only the neighbours of a vertex are around it",
-        "agents/whereabouts.py",
+        "agents/navigator.py",
         "cutoff=_STEPS",
         "cutoff=1",
         "agents/test_whereabouts.py",

@@ -192,7 +192,7 @@ MUTATIONS = [
     ),
     (
         "C of Table I does not smooth",
-        "experiments/protocols/controllers.py",
+        "experiments/meng2020/table1.py",
         '"k5": by_smoothed_waypoints(WaypointNetwork("waypoint_k5"))',
         '"k5": by_smoothed_waypoints(WaypointNetwork("waypoint_k5"), 1.0)',
         "experiments/meng2020/test_table1.py -k smooths",

@@ -144,13 +144,6 @@ MUTATIONS = [
         "experiments/meng2020/test_calibration_table.py -k far",
     ),
     (
-        "the ablation of patience runs the usual rules",
-        "experiments/robustness/disturbances.py",
-        "replace(settings, rules=rules)",
-        "settings",
-        "experiments/robustness/test_disturbances.py -k rules",
-    ),
-    (
         "a robot is moved at every step near the place",
         "experiments/protocols/moves.py",
         "near[robots] & (self.step[robots] < 0)",

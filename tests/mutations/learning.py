@@ -255,7 +255,7 @@ MUTATIONS = [
     ),
     (
         "a map with one frontier is a choice",
-        "learning/goal_map_data.py",
+        "learning/goal_map_recipes.py",
         'np.isfinite(whole["remaining"]).sum(axis=1) > 1',
         'np.isfinite(whole["remaining"]).sum(axis=1) > -1',
         "learning/test_goal_map.py -k one_frontier",

@@ -113,17 +113,17 @@ MUTATIONS = [
     ),
     (
         "a page that the student changed is overwritten",
-        "commands/pages.py",
+        "commands/copy.py",
         "if there not in (None, new, before.get(name)):",
         "if False:",
-        "commands/test_pages.py",
+        "commands/test_copy.py",
     ),
     (
         "a page that came in an older version stays",
-        "commands/pages.py",
+        "commands/copy.py",
         "if there not in (None, new, before.get(name)):",
         "if there not in (None, new):",
-        "commands/test_pages.py",
+        "commands/test_copy.py",
     ),
     (
         "an installed course is not looked for above the current folder",
@@ -162,7 +162,7 @@ MUTATIONS = [
     ),
     (
         "long work is silent",
-        "commands/narrator.py",
+        "commands/demo.py",
         'self._print(f"still {self._doing}")',
         "self._said = time.monotonic()",
         "test_cli.py -k told",

@@ -8,7 +8,7 @@ import pytest
 from tutorial_lib.cli import main
 from tutorial_lib.commands import results
 from tutorial_lib.commands.experiment import ABLATIONS
-from tutorial_lib.commands.measuring import measuring_block
+from tutorial_lib.commands.results import measuring_block
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
 from tutorial_lib.experiments.results_page.markdown import interval, percent

@@ -13,16 +13,17 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import Blockades, Waiting, in_the_way
 from tutorial_lib.agents.map_targets import MapTargets
-from tutorial_lib.agents.whereabouts import Whereabouts
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import (
+    HERE,
     Controller,
     Edges,
     Goals,
@@ -46,6 +47,8 @@ LOOK_TIME = 10.0
 """Seconds of rotating after which a plan may begin anywhere."""
 _ALL = 4 * np.pi  # rad; it turns on until it has a plan
 _REPLAN_STEPS = 10  # from one attempt to plan to the next, while rotating
+_MOVED = 5.0  # metres from the vertex visited last after which a robot may be anywhere
+_STEPS = 4  # edges from that vertex, either way
 RULES = FollowerSettings(timeout=2.0, fall=1.0)
 """Rules of a robot that can replan: it gives up a path sooner, and never because of a doubt."""
 FindPath = Callable[[Observation, Goals, Edges], Plan]
@@ -284,3 +287,25 @@ class MapAgent(ABC):
             reachability=self.reachability,
             settings=self.follower,
         )
+
+
+class Whereabouts:
+    """The vertices that each of N robots visited last; it forgets them when it has moved on."""
+
+    def __init__(self, robots: int, topomap: TopoMap) -> None:
+        """Begin with robots that may be anywhere."""
+        self._topomap = topomap
+        self._seen: list[tuple[int, Array] | None] = [None] * robots
+
+    def see(self, robot: int, vertex: int, odometry: Array) -> None:
+        """A robot with `odometry` (3,) visited a vertex last."""
+        self._seen[robot] = vertex, odometry[:2].copy()
+
+    def excluded(self, robot: int, odometry: Array) -> Edges:
+        """The first steps by which no plan begins for a robot with `odometry` (3,) now."""
+        seen = self._seen[robot]
+        if seen is None or np.linalg.norm(odometry[:2] - seen[1]) > _MOVED:
+            return set()
+        both_ways = self._topomap.graph.to_undirected(as_view=True)
+        around = nx.single_source_shortest_path_length(both_ways, seen[0], cutoff=_STEPS)
+        return {(HERE, int(vertex)) for vertex in self._topomap.alive if vertex not in around}

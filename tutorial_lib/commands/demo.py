@@ -6,13 +6,16 @@ What it needs is imported after its first word.
 from __future__ import annotations
 
 import argparse
+import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
+from threading import Event, Thread
+from types import TracebackType
 from typing import TYPE_CHECKING
 
 from tutorial_lib.commands.constants import MISSED
 from tutorial_lib.commands.map_options import add_map
-from tutorial_lib.commands.narrator import Narrator
 from tutorial_lib.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,6 +32,8 @@ LIFELONG_REFUSES = (
 )
 """Options that do not count beside `--lifelong` and `--life`, whose building is always the same."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
+QUIET = 4.0
+"""Seconds after which a word is said of work that still goes on."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -214,3 +219,41 @@ def _ends(options: argparse.Namespace) -> tuple[End | None, End | None]:
         for name, text in (("start", options.start), ("goal", options.goal))
     )
     return start, goal
+
+
+class Narrator:
+    """Prints what is being done, with the seconds since the beginning; a context manager."""
+
+    def __init__(self) -> None:
+        self._begun = self._said = time.monotonic()
+        self._doing = ""
+        self._over = Event()
+        self._thread = Thread(target=self._keep_talking, daemon=True)
+
+    def __enter__(self) -> Narrator:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._over.set()
+        self._thread.join()
+
+    def __call__(self, text: str) -> None:
+        """Say what is being done from now on."""
+        self._doing = text.partition(":")[0]
+        self._print(text)
+
+    def _keep_talking(self) -> None:
+        while not self._over.wait(max(0.0, self._said + QUIET - time.monotonic())):
+            if time.monotonic() - self._said >= QUIET:
+                with suppress(BrokenPipeError):  # which the next word of the work itself meets
+                    self._print(f"still {self._doing}")
+
+    def _print(self, text: str) -> None:
+        self._said = time.monotonic()
+        print(f"{self._said - self._begun:5.1f} s  {text}", flush=True)

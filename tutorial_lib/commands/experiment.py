@@ -40,8 +40,6 @@ ABLATIONS = {
     "goal_images": "thresholds of a goal, shown as one image and as a clip",
     "audit": "how many pairs labelled 0 without a rollout would be reached",
     "localization": "the Bayes filter by itself",
-    "reuse": "rules by which maps stay small",
-    "patience": "how soon a follower gives up",
     "geometry": "the true geometry in place of the networks, for those that drive",
     "rules": "the agent with rules of the paper that it has not",
     "exact": "motion and odometry without noise",

@@ -8,8 +8,14 @@ from pathlib import Path
 
 from tutorial_lib.checks.marking.handed_in import students_in
 from tutorial_lib.checks.marking.judging import judges, marks_of
-from tutorial_lib.checks.marking.reports import Marked, lines_of, write_csv, write_json, write_pages
-from tutorial_lib.checks.marking.weights import read_weights
+from tutorial_lib.checks.marking.reports import (
+    Marked,
+    lines_of,
+    read_weights,
+    write_csv,
+    write_json,
+    write_pages,
+)
 from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.errors import InputError, one_line
 from tutorial_lib.files import check_writable

@@ -5,18 +5,24 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from tutorial_lib.commands import experiment
 from tutorial_lib.commands.constants import WRONG_INPUT
-from tutorial_lib.commands.measuring import measuring_block
 from tutorial_lib.course import NAME, course_folder, is_checkout
+from tutorial_lib.experiments import registry
+from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.provenance import CHANGED, FITS, checked, standing_of
+from tutorial_lib.experiments.results_page.markdown import table
 from tutorial_lib.experiments.results_page.page import PAGE, write_results
 from tutorial_lib.experiments.results_page.sources import EXPERIMENTS, command_of, load_results
 from tutorial_lib.files import write_text
+
+BEGIN, END = "<!-- measuring: begin -->", "<!-- measuring: end -->"
+"""Around the block of the project's README."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -85,3 +91,46 @@ def asked(name: str) -> tuple[str, Options]:
 def store(report: Report, name: str) -> None:
     """Write a result where it is kept."""
     write_text(FOLDER / f"{name}.json", json.dumps(report.as_dict(), indent=1) + "\n")
+
+
+def measuring_block() -> str:
+    """The block of the project's README, markers included."""
+    return "\n".join(
+        [
+            BEGIN,
+            _folded(
+                "Experiments, and the options that each takes", _measured(registry.EXPERIMENTS)
+            ),
+            _folded("Benchmarks", _measured(registry.BENCHMARKS)),
+            _folded("What the options mean", table(["option", "meaning"], list(_options()))),
+            END,
+        ]
+    )
+
+
+def _folded(title: str, text: str) -> str:
+    """Text behind a fold: Markdown within HTML needs empty lines around it."""
+    return f"<details><summary>{title}</summary>\n\n{text}\n\n</details>\n"
+
+
+def _measured(entries: dict[str, Experiment]) -> str:
+    rows = [
+        [f"`{name}`", experiment.measured_by(entry), _code(entry.options())]
+        for name, entry in entries.items()
+    ]
+    return table(["name", "measures", "takes"], rows)
+
+
+def _options() -> Iterator[tuple[str, str]]:
+    """Each option of `experiment`, with what it is given, and its help."""
+    parser = argparse.ArgumentParser(add_help=False)
+    experiment.add_arguments(parser)
+    for action in parser._actions:
+        if action.option_strings:
+            values = "" if action.choices is None else f"{{{','.join(action.choices)}}}"
+            yield _code([*action.option_strings, str(action.metavar or values)]), action.help or ""
+
+
+def _code(words: Sequence[str]) -> str:
+    text = " ".join(words).strip()
+    return f"`{text}`" if text else ""

@@ -12,8 +12,7 @@ from tutorial_lib.agents.ltvn_state import GOAL
 from tutorial_lib.cli import main
 from tutorial_lib.commands.demo import LIFELONG_REFUSES
 from tutorial_lib.experiments.demos import lifelong_demo, recorder
-from tutorial_lib.experiments.demos.life_film import LifeFilm
-from tutorial_lib.experiments.demos.lifelong_demo import STAGES, Stage, run_lifelong_demo
+from tutorial_lib.experiments.demos.lifelong_demo import STAGES, LifeFilm, Stage, run_lifelong_demo
 from tutorial_lib.experiments.demos.moments import OnLivingMap, map_counts
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules
 from tutorial_lib.world.simulation import Sensors, Simulation

@@ -21,7 +21,6 @@ from tutorial_lib.experiments.protocols import (
     estimators,
     geometry_bound,
     reachability,
-    reachability_rows,
 )
 from tutorial_lib.experiments.protocols.estimators import Estimator
 from tutorial_lib.experiments.protocols.reachability import Queries, Sizes, examine, far_pairs
@@ -317,7 +316,7 @@ def part(seed, count=60):
 
 def test_a_row_tells_how_right_an_estimator_was():
     parts = [part(seed) for seed in range(4)]
-    row = reachability_rows.estimator_row("k2", parts)
+    row = calibration.estimator_row("k2", parts)
     every = {key: np.concatenate([p[key] for p in parts]) for key in parts[0]}
     predicted, reached = every["predicted"][every["seen"]], every["reached"][every["seen"]]
     assert (row["estimator"], row["pairs"]) == ("k2", len(predicted))
@@ -342,15 +341,15 @@ def test_where_nobody_was_sure_there_is_no_precision():
     parts = [part(seed) for seed in range(2)]
     for p in parts:
         p["predicted"], p["edges"] = 0.9 * p["predicted"], np.empty(0)
-    row = reachability_rows.estimator_row("image", parts)
+    row = calibration.estimator_row("image", parts)
     assert row["precision_mix"] is row["precision_mix_low"] is row["precision_map"] is None
     assert row["sure_mix"] == row["sure_map"] == 0
 
 
 def test_geometry_has_a_row_of_its_own_with_the_same_columns():
     parts = [part(seed) for seed in range(3)]
-    like = reachability_rows.estimator_row("k2", parts)
-    row = reachability_rows.geometry_row(parts, like)
+    like = calibration.estimator_row("k2", parts)
+    row = calibration.geometry_row(parts, like)
     assert list(row) == list(like)
     assert row["estimator"] == "geometry"
     assert row["auc"] == row["geometry_auc"] == like["geometry_auc"]

@@ -23,12 +23,11 @@ from tutorial_lib.experiments.meng2020 import (
     fig10,
     fig11,
     fig13,
-    fig13_reuse,
     table2,
     table2_goal_images,
     table2_thresholds,
 )
-from tutorial_lib.experiments.protocols import navigation_tasks, repeated_drives
+from tutorial_lib.experiments.protocols import navigation_tasks
 from tutorial_lib.experiments.protocols.navigation import Outcome, Result, experiences
 from tutorial_lib.experiments.results_page.sources import stored_as
 from tutorial_lib.experiments.robustness import faults
@@ -41,7 +40,7 @@ use_threads(1)
 networks = needs("waypoint_k5", "reach_k5")
 QUICK = Options(quick=True, worlds=(20_000,))
 MODULES = (
-    *(fig4, fig8, fig9, fig10, fig11, fig13, fig13_reuse, faults),
+    *(fig4, fig8, fig9, fig10, fig11, fig13, faults),
     *(table2_goal_images, table2_thresholds),
 )
 
@@ -257,35 +256,12 @@ def test_fig_13_counts_vertices_at_even_numbers_of_frames():
 
 
 def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(building):
-    more = repeated_drives.more_trajectories(building, 45, np.random.default_rng(0), 0)
+    more = fig13.more_trajectories(building, 45, np.random.default_rng(0), 0)
     first = building.recorded.poses[building.recorded.first_frames, :2]
     for drive in more.trajectories:
         gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()
         assert 0 < gap < 1.0
         assert np.linalg.norm(building.places - drive.poses[-1, :2], axis=1).min() < 0.5
-
-
-@pytest.mark.full
-@networks
-def test_every_rule_of_reuse_gets_the_same_drives_and_trials(monkeypatch):
-    rules, few = ((1.0, 1.0), (0.95, 1.0), (0.95, 0.5)), fig13_reuse.Settings(3, 800, 6, 2)
-    monkeypatch.setattr(fig13_reuse, "RULES", rules)
-    ablation = replace(fig13_reuse.EXPERIMENT, settings=few)
-    monkeypatch.setitem(fig13.EXPERIMENT.ablations, "reuse", ablation)
-    report = fig13.EXPERIMENT.report(Options(ablation="reuse", worlds=(20_000,)))
-    assert report.name == "meng_fig13_reuse"
-    rows = saved(report)["rows"]
-    assert [(row["p_reuse"], row["p_between"]) for row in rows] == list(rules)
-    none, vertices, edges = (row["vertices"] for row in rows)
-    assert none > max(vertices, edges) > 0
-    assert rows[0]["growth"] > 0
-    assert all(row["trials"] == 2 and 0 <= row["success"] <= 1 for row in rows)
-
-
-def test_the_rule_of_reuse_is_chosen_on_validation_worlds_and_among_the_rest():
-    assert set(fig13_reuse.WORLDS) < set(fig9.VALIDATION)
-    usual = fig13_reuse.MapSettings()
-    assert (usual.p_reuse, usual.p_between) in fig13_reuse.RULES
 
 
 # Thresholds.

@@ -14,8 +14,8 @@ from tutorial_lib.driving.rollouts import Rollouts
 from tutorial_lib.experiments.benchmarks import control
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table1_ablations, table1_smoothing
+from tutorial_lib.experiments.meng2020.table1 import controllers
 from tutorial_lib.experiments.protocols import local_control
-from tutorial_lib.experiments.protocols.controllers import controllers
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import LocalNetwork
 from tutorial_lib.learning.policies import by_smoothed_waypoints, by_waypoints

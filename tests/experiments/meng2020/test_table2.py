@@ -18,7 +18,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.meng2020 import table2, table2_methods
+from tutorial_lib.experiments.meng2020 import table2
 from tutorial_lib.experiments.protocols import drives as drive_choices
 from tutorial_lib.experiments.protocols import navigation
 from tutorial_lib.experiments.protocols.navigation import (
@@ -741,7 +741,7 @@ def test_maps_of_a_part_of_the_drives_have_its_thresholds(
         outcome = navigation.Outcome(nothing > 0, ending, nothing, nothing, nothing)
         return navigation.Result(outcome, 1, 1, 0)
 
-    monkeypatch.setattr(table2_methods, "attempt", attempt)
+    monkeypatch.setattr(table2, "attempt", attempt)
     monkeypatch.setattr(table2, "part_of", lambda whole, *_: whole)
     monkeypatch.setattr(drive_choices, "toured", lambda whole: whole)
     monkeypatch.setattr(table2, "for_each", in_turn)

@@ -11,8 +11,8 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import explorers
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.nts import figs
+from tutorial_lib.experiments.nts.figs import LISTS, NUMBERS, Settings
 from tutorial_lib.experiments.nts.figs_pictures import pictures
-from tutorial_lib.experiments.nts.figs_place import LISTS, NUMBERS, Settings
 from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.world.worlds import scene_of
 

@@ -24,7 +24,6 @@ from tutorial_lib.experiments.meng2020 import (
     fig10,
     fig11,
     fig13,
-    fig13_reuse,
     table2,
     table2_thresholds,
 )
@@ -421,7 +420,6 @@ class Caught(Exception):  # noqa: N818 - what was asked for
         (fig9, "make_building"),
         (fig10, "make_building"),
         (fig13, "make_building"),
-        (fig13_reuse, "make_building"),
         (faults, "make_building"),
         (fig7, "Odometry"),
         (disturbances, "Odometry"),

@@ -5,8 +5,7 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.race.changes import MOVED, changed
-from tutorial_lib.experiments.race.changing_task import ChangingTask
+from tutorial_lib.experiments.race.changes import MOVED, ChangingTask, changed
 from tutorial_lib.experiments.race.ten_visits import Settings, draw_lives
 from tutorial_lib.exploration.episodes import Episodes, exploration_world
 from tutorial_lib.world.bodies import DifferentialDrive

@@ -1,9 +1,8 @@
-"""Tables of what was learned of a part of the drives, and of rules of reuse."""
+"""Tables of what was learned of a part of the drives."""
 
 from tests.experiments.results_page.tables import cells, section
 from tutorial_lib.experiments.common.report import SHARE, Finding, Report
-from tutorial_lib.experiments.results_page import maps, navigation
-from tutorial_lib.experiments.results_page.maps import rules_of_reuse
+from tutorial_lib.experiments.results_page import navigation
 from tutorial_lib.experiments.results_page.navigation import chosen, composed_trials, map_sizes
 from tutorial_lib.experiments.results_page.sources import (
     COMMANDS,
@@ -89,20 +88,6 @@ def test_thresholds_have_their_success_in_composed_trials():
     found = cells(chosen(rows))
     assert found[0][-2:] == ["success", "composed"]
     assert [line[-1] for line in found[1:]] == ["25.0%", "75.0%"]
-
-
-def test_rules_of_reuse_are_named_by_their_thresholds():
-    rows = [
-        {"p_reuse": 0.94, "p_between": between, "vertices": 1_234.4, "edges": 3_000.0}
-        | {"growth": 0.17, "trials": 40, "success": 0.9}
-        for between in (1.0, 0.94)
-    ]
-    found = cells(rules_of_reuse(rows))
-    size = ["1,234", "3,000", "17.0%", "90.0% (36 of 40)"]
-    assert found[1:] == [["0.94", "never", *size], ["0.94", "0.94", *size]]
-    rows[1]["growth"] = 0.08
-    text = section(maps, "Fig. 13: rules of reuse", results(rows, "meng_fig13_reuse")).text
-    assert "they grow by 8.0% instead of 17.0%" in text
 
 
 def test_the_sections_say_what_the_protocol_hides_and_by_which_command():

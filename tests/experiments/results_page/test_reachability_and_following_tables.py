@@ -3,7 +3,6 @@ from tutorial_lib.experiments.results_page.following import (
     anchors_by,
     cover_rates,
     one_rollout,
-    patience,
     placement,
     recoveries,
 )
@@ -81,17 +80,6 @@ def test_one_rollout_is_shown_place_by_place():
     row = {"place": 3, "seconds": 7.0, "state": "dead_reckoning", "active": 2, "anchors": 11}
     found = cells(one_rollout([row | {"probability": 0.9953}]))
     assert found[1] == ["3", "7.0 s", "dead reckoning", "2 of 11", "0.995"]
-
-
-def test_the_followers_patience_stands_beside_arrivals():
-    row = {"fall": 0.2, "timeout": 4.0, "p_lose": 0.4, "calm": 1.0, "soon": 0.9, "soon_low": 0.8}
-    row |= {"soon_high": 0.95, "finished_none": 0.98, "finished_pushed": 0.97}
-    row |= {"finished_turned": 0.965, "finished_person": 0.96}
-    found = cells(patience([row, row | {"fall": 1.0}]))
-    numbers = ["4 s", "0.4", "1 s", "90.0% (80.0 to 95.0)"]
-    numbers += ["98.0%", "97.0%", "96.5%", "96.0%"]
-    assert found[1] == ["0.2", *numbers]
-    assert found[2] == ["no doubts", *numbers]
 
 
 def test_each_disturbance_has_its_line_and_the_kidnapped_cannot_finish():

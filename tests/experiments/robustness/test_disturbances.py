@@ -20,7 +20,7 @@ from tutorial_lib.experiments.protocols.moves import (
 )
 from tutorial_lib.experiments.robustness import disturbances
 from tutorial_lib.geometry import relative
-from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.simulation import Simulation
@@ -139,36 +139,3 @@ def test_disturbances_run_on_a_validation_world(monkeypatch):
     assert kidnapped["finished"] <= 1 - kidnapped["disturbed"] / 2  # one that was not may
     assert rows["none"]["finished"] is not None
     json.dumps(report.as_dict(), allow_nan=False)
-
-
-RULES = ("fall", "timeout", "p_lose", "calm")
-
-
-def test_every_row_of_the_ablation_has_its_own_rules(monkeypatch):
-    def run(options, settings):
-        del options
-        rules = settings.rules
-        found = {"finished": rules.timeout / 10, "soon": rules.p_lose, "disturbed": 7}
-        kinds = ("none", "pushed", "turned", "carried", "person")
-        low_and_high = {"soon_low": 0.1, "soon_high": 0.9}
-        return [{"disturbance": kind, **found, **low_and_high} for kind in kinds], []
-
-    monkeypatch.setattr(disturbances, "run", run)
-    report = disturbances.EXPERIMENT.report(Options(ablation="patience"))
-    assert report.worlds[0] == 10_100
-    usual = FollowerSettings()
-    first = report.rows[0]
-    assert all(first[name] == getattr(usual, name) for name in RULES)
-    assert len({tuple(row[name] for name in RULES) for row in report.rows}) == 8
-    for row in report.rows:
-        finished = [row[f"finished_{kind}"] for kind in ("none", "pushed", "turned", "person")]
-        assert finished == [row["timeout"] / 10] * 4
-        assert row["soon"] == row["p_lose"]
-        assert row["disturbed"] == 7
-
-
-def test_the_followers_rules_reach_the_rollouts(recorded):
-    guide = following.Guide(recorded, "k2", rules=FollowerSettings(p_search=0.999999))
-    success, log = guide.deliver([recorded.frames_of(0)[::20]])
-    assert not success[0]
-    assert log.state[-1, 0] == State.LOST

@@ -8,10 +8,15 @@ import numpy as np
 
 from tutorial_lib.checks.engine import mistakes_of
 from tutorial_lib.checks.framework.wording import kind
-from tutorial_lib.checks.nb02.training_arrays import close_arrays
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.small_training import TrainingPlan
 from tutorial_lib.learning.training_probe import Trace
+
+
+def _close_arrays(first: object, second: object) -> bool:
+    """Whether two arrays have the same shape and nearly the same numbers."""
+    first, second = np.asarray(first, float), np.asarray(second, float)
+    return first.shape == second.shape and np.allclose(first, second, rtol=1e-4, atol=1e-7)
 
 
 def _history_mistake(got: Trace, want: Trace) -> str | None:
@@ -28,16 +33,16 @@ def _history_mistake(got: Trace, want: Trace) -> str | None:
     if any(isinstance(row, str) for row in rows):
         return next(row for row in rows if isinstance(row, str))
     mine, right = np.array(rows), np.array(want.history)
-    if close_arrays(mine, right):
+    if _close_arrays(mine, right):
         return None
-    if close_arrays(mine[:, [0, 2, 1]], right):
+    if _close_arrays(mine[:, [0, 2, 1]], right):
         return "in the history the training loss comes before the validation loss"
-    if not close_arrays(mine[:, 0], right[:, 0]):
+    if not _close_arrays(mine[:, 0], right[:, 0]):
         counted = (
-            "count the steps made, from 1" if close_arrays(mine[:, 0] + 1, right[:, 0]) else "see"
+            "count the steps made, from 1" if _close_arrays(mine[:, 0] + 1, right[:, 0]) else "see"
         )
         return f"the history's steps are {mine[:, 0]}, but {right[:, 0]} is right; {counted}"
-    if not close_arrays(mine[:, 2], right[:, 2]):
+    if not _close_arrays(mine[:, 2], right[:, 2]):
         return "the history's last number is what validate(network) returned"
     words = _training_loss(mine[:, 1], right[:, 1], right[:, 0])
     return f"{words}: {mine[:, 1].round(3)} came back, but {right[:, 1].round(3)} is right"
@@ -46,9 +51,9 @@ def _history_mistake(got: Trace, want: Trace) -> str | None:
 def _training_loss(mine: Array, right: Array, steps: Array) -> str:
     """What is wrong with the training losses of a history."""
     counts = np.diff(steps, prepend=0)
-    if close_arrays(mine, right * counts):
+    if _close_arrays(mine, right * counts):
         return "the training loss is the mean since the last evaluation, not the sum"
-    if close_arrays(mine, np.cumsum(right * counts) / steps):
+    if _close_arrays(mine, np.cumsum(right * counts) / steps):
         return "the training loss is the mean since the last evaluation; empty the list after it"
     return "the training loss is the mean of all losses since the last evaluation"
 
@@ -112,12 +117,12 @@ def _rate_mistake(got: Trace, plan: TrainingPlan) -> str | None:
     """Whether every update has its learning rate."""
     steps = range(len(got.rates))
     right = [plan.learning_rate * _rate(step, plan) for step in steps]
-    if close_arrays(got.rates, right):
+    if _close_arrays(got.rates, right):
         return None
     for words, rate in _RATES.items():
-        if close_arrays(got.rates, [plan.learning_rate * rate(step, plan) for step in steps]):
+        if _close_arrays(got.rates, [plan.learning_rate * rate(step, plan) for step in steps]):
             return words
-    if close_arrays(np.array(got.rates) * plan.learning_rate, right):
+    if _close_arrays(np.array(got.rates) * plan.learning_rate, right):
         return "multiply by plan.learning_rate, the highest rate"
     step = int(np.argmax(np.abs(np.array(got.rates) - right) > 1e-7))
     return (
@@ -171,32 +176,32 @@ def _updating(got: Trace, batches: Array, plan: TrainingPlan) -> str | None:
     long = np.linalg.norm(raw, axis=1, keepdims=True) / plan.max_norm
     shortened = raw / np.maximum(long, 1.0)
     mine = np.array(got.gradients)
-    if close_arrays(mine, shortened):
+    if _close_arrays(mine, shortened):
         return None
     if not mine.any():
         return "the gradients are all zero: loss.backward() comes after zero_grad(), before step()"
     first = 1.0 + raw[0]  # the network comes with gradients of 1
-    if not close_arrays(mine[0], shortened[0]) and close_arrays(
+    if not _close_arrays(mine[0], shortened[0]) and _close_arrays(
         mine[0], first / max(_length(first, plan), 1)
     ):
         return "old gradients are added to the new ones: optimizer.zero_grad() before backward()"
-    if len(mine) > 1 and close_arrays(mine[0], shortened[0]):
+    if len(mine) > 1 and _close_arrays(mine[0], shortened[0]):
         total = raw[0] + raw[1]
-        if close_arrays(mine[1], total / max(_length(total, plan), 1)):
+        if _close_arrays(mine[1], total / max(_length(total, plan), 1)):
             return "the gradients of all batches add up: optimizer.zero_grad() in every step"
-    if close_arrays(mine, raw):
+    if _close_arrays(mine, raw):
         return (
             "a gradient that is too long stays so: torch.nn.utils.clip_grad_norm_ with max_norm, "
             "after backward() and before step()"
         )
-    if close_arrays(mine, raw / long):
+    if _close_arrays(mine, raw / long):
         return "only gradients longer than max_norm are shortened; the others stay as they are"
-    if close_arrays(mine, np.clip(raw, -plan.max_norm, plan.max_norm)):
+    if _close_arrays(mine, np.clip(raw, -plan.max_norm, plan.max_norm)):
         return "shorten the whole gradient, do not cut each number: clip_grad_norm_, no value"
-    if close_arrays(mine, _cut_parts(raw, plan)):
+    if _close_arrays(mine, _cut_parts(raw, plan)):
         return "max_norm limits the gradient of all parameters together, not of each tensor alone"
     other = np.linalg.norm(mine, axis=1).max()
-    if close_arrays(mine, _cut(raw, other)):
+    if _close_arrays(mine, _cut(raw, other)):
         return (
             f"gradients are shortened to {other:.4g}, but plan.max_norm is {plan.max_norm:g}; "
             "write no number in its place"
@@ -278,7 +283,7 @@ def _ending(got: Trace, want: Trace, plan: TrainingPlan) -> str | None:
 
 def _keeping(got: Trace, want: Trace) -> str | None:
     """Whether the network ends with the weights of the best evaluation."""
-    if not close_arrays(got.final, want.final):
+    if not _close_arrays(got.final, want.final):
         copied = "a copy of network.state_dict(), as deepcopy makes it: the dict itself goes on"
         losses = [entry[2] for entry in want.history]
         return (

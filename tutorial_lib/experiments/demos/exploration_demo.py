@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -11,10 +12,11 @@ import numpy as np
 
 from tutorial_lib.agents.lifelong import LifelongAgent
 from tutorial_lib.agents.nts import NTSAgent
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.demos.endings import exploration_ending
 from tutorial_lib.experiments.demos.ends import End
-from tutorial_lib.experiments.demos.episodes import draw_episode, episode_between
 from tutorial_lib.experiments.demos.exploration_film import (
     SHARP,
     ExplorationFilm,
@@ -24,6 +26,12 @@ from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_f
 from tutorial_lib.experiments.demos.recorder import FILM_RATE
 from tutorial_lib.experiments.demos.task import Say, silent
 from tutorial_lib.experiments.protocols.ghost_moments import ghost_moment
+from tutorial_lib.exploration.episodes import (
+    DIFFICULTIES,
+    SUCCESS,
+    Episodes,
+    draw_episodes,
+)
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.task import STEPS, ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
@@ -34,6 +42,7 @@ from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import wrap
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.panels import evenly, stacked
+from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
 
@@ -255,3 +264,60 @@ def _outcome(name: str, seed: int, task: ExplorationTask, agent: NTSAgent) -> Ex
 
 def _rounded(values: Array) -> float:
     return round(float(values[0]), 2)
+
+
+def draw_episode(name: str, scene: Scene, seed: int) -> Episodes:
+    """One episode, as difficult as the world allows.
+
+    Raises:
+        InputError: when not even an easy one fits.
+    """
+    *harder, easiest = reversed(DIFFICULTIES)
+    for difficulty in harder:
+        with suppress(InputError):
+            return draw_episodes(name, scene, {difficulty: 1}, np.random.default_rng(seed))
+    try:
+        return draw_episodes(name, scene, {easiest: 1}, np.random.default_rng(seed))
+    except InputError as error:
+        least = DIFFICULTIES[easiest][0]
+        words = f"demo: {name} has no two places {least:g} m apart ({error}); give a larger map"
+        raise InputError(words) from error
+
+
+def episode_between(
+    name: str, scene: Scene, start: End | None, goal: End | None, seed: int
+) -> Episodes:
+    """The episode from a start to a goal that were asked for; the other is drawn where one was.
+
+    Raises:
+        InputError: when one of them cannot be had, or they are too near each other.
+    """
+    rng, paths = np.random.default_rng(seed), GridPaths(scene.clearance)
+    begin, end = (
+        None if one is None else one.find(scene, paths, DifferentialDrive())
+        for one in (start, goal)
+    )
+    if begin is None or end is None:
+        given = end if begin is None else begin
+        if given is None:
+            raise InputError("demo: give a start or a goal")
+        metres = paths.fields(given[None, :2], shortest=True).distance(paths.points)
+        low, high = DIFFICULTIES["hard"]
+        apart = np.linalg.norm(paths.points - given[:2], axis=1) >= SUCCESS
+        reachable = np.where(apart & (metres < high), metres, -1.0)
+        if reachable.max() < 0:
+            words = f"no place {SUCCESS:.0f} to {high:.0f} m away can be reached"
+            raise InputError(f"demo: {words}; choose another start or goal")
+        far = np.flatnonzero(reachable >= min(low, reachable.max()))
+        drawn = np.append(paths.points[rng.choice(far)], np.nan)
+        begin, end = (drawn, end) if begin is None else (begin, drawn)
+    starts, goals = (np.array([one]) for one in (begin, end))
+    for poses in (starts, goals):
+        poses[np.isnan(poses)] = rng.uniform(-np.pi, np.pi)
+    shortest = paths.between(starts[:, :2], goals[:, :2])
+    if np.linalg.norm(starts[0, :2] - goals[0, :2]) < SUCCESS:
+        raise InputError(
+            f"--goal: {shortest[0]:.1f} m from the start; choose places {SUCCESS:.0f} m apart"
+        )
+    fits = [word for word, (low, high) in DIFFICULTIES.items() if low <= shortest[0] < high]
+    return Episodes((name,), starts, goals, shortest, (fits[0] if fits else "",))

@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos.forecast import Forecast
-from tutorial_lib.experiments.demos.life_film import LifeFilm
 from tutorial_lib.experiments.demos.moments import OnLivingMap, map_counts
 from tutorial_lib.experiments.demos.navigation_demo import drive
 from tutorial_lib.experiments.demos.outcome import (
@@ -35,10 +35,16 @@ from tutorial_lib.experiments.protocols.lifelong import (
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, draw_trials, explored
 from tutorial_lib.files import atomic_paths
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.maintenance import Maintenance
+from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.colours import PERSON
+from tutorial_lib.viz.canvas.labels import label
+from tutorial_lib.viz.canvas.living_maps import draw_living_map
 from tutorial_lib.viz.canvas.plan_view import Picture
-from tutorial_lib.viz.figures.dashboard import Moment
+from tutorial_lib.viz.figures.dashboard import LEGEND, MARGIN, Moment, dashboard
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
+from tutorial_lib.viz.figures.maps import pale_view
 from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.people import Person
@@ -52,6 +58,17 @@ TRIP = 4, 2
 DOOR = (0.22, 1.93), (0.55, 1.89), (0.89, 1.84)
 """Where people stand when the door is shut."""
 _SPARE = 40.0  # seconds more than usual that a query may take: time for the long way round
+_LEGEND = (
+    *((name.replace("person", "shut door"), colour) for name, colour in LEGEND),
+    ("edge", colours.FAINT),
+)
+_EDGES = (
+    "The map's edges: grey where it is sure of them, vermilion where it doubts them, "
+    "dashed where they are pruned."
+)
+_LINE = 30  # pixels of a line of the story
+_SIZE = 0.76
+_BESIDE = 100  # pixels to the left of the door
 
 
 @dataclass(frozen=True)
@@ -299,3 +316,40 @@ class _Life:
             reached=int(found.there.sum()),
             seconds=round(float(found.seconds.mean()), 1),
         )
+
+
+class LifeFilm:
+    """Draws moments of a robot whose map changes meanwhile."""
+
+    def __init__(
+        self, scene: Scene, upkeep: Maintenance, vertices: Array, door: ArrayLike, lines: int
+    ) -> None:
+        """Film.
+
+        Args:
+            scene: the world.
+            upkeep: of the map.
+            vertices: (V, 3) where the map's images were taken.
+            door: (K, 2) places across the door that is opened and shut.
+            lines: of the story, at most.
+        """
+        self._view, self._upkeep, self._vertices = pale_view(scene), upkeep, vertices
+        self._plan, self._door, self._lines = self._view.base, np.asarray(door), lines
+
+    def frame(self, moment: Moment, title: str, door: str, story: Sequence[str]) -> Picture:
+        """The picture of a moment; the map is drawn as it is now."""
+        view = self._view
+        view.base = self._plan.copy()
+        upkeep = self._upkeep
+        draw_living_map(view, view.base, self._vertices, upkeep.graph, upkeep.pruned)
+        for place in self._door:
+            view.ring(view.base, place, Person.radius, colours.PERSON)
+        x, y = view.pixels(self._door[0]).round().astype(int).tolist()
+        label(view.base, f"door {door}", x - _BESIDE, y + 6, 0.62)
+        shown = dashboard(view, moment, title, _LEGEND)
+        high = _LINE * (self._lines + 1) + MARGIN
+        below = np.full((high, shown.shape[1], 3), colours.PAPER, np.uint8)
+        label(below, _EDGES, MARGIN, _LINE, _SIZE, colours.FAINT)
+        for number, line in enumerate(story, 2):
+            label(below, line, MARGIN, _LINE * number, _SIZE)
+        return np.concatenate([shown, below])

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
@@ -31,7 +31,6 @@ from tutorial_lib.experiments.demos.outcome import (
     check_folder,
     rounded,
 )
-from tutorial_lib.experiments.demos.pictures import Beside, Frames
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
 from tutorial_lib.experiments.demos.sureness import sureness
 from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
@@ -52,7 +51,7 @@ from tutorial_lib.viz.canvas.topomaps import hue
 from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.maps import map_view
-from tutorial_lib.viz.figures.panels import evenly, stacked
+from tutorial_lib.viz.figures.panels import evenly, side_by_side, stacked
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -60,6 +59,38 @@ from tutorial_lib.world.simulation import Sensors, Simulation
 PLACES = 6
 """Places between which trajectories are recorded."""
 _QUIET = 3.0  # seconds of driving after which a word is said
+_BESIDE = 570  # pixels of height where agent and oracle are shown beside each other
+
+
+class Frames(Protocol):
+    """Pictures, perhaps each drawn on request."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int, /) -> Picture: ...
+
+
+@dataclass(frozen=True)
+class Beside:
+    """The frames of a film, and beside each the frame of another; the shorter one waits.
+
+    Attributes:
+        first: grows while its robot drives.
+        second: may be empty; then the first is shown alone.
+    """
+
+    first: Frames
+    second: Frames
+
+    def __len__(self) -> int:
+        return max(len(self.first), len(self.second))
+
+    def __getitem__(self, index: int) -> Picture:
+        mine = self.first[min(index, len(self.first) - 1)]
+        if not len(self.second):
+            return mine
+        other = self.second[min(index, len(self.second) - 1)]
+        return side_by_side([mine, other], height=_BESIDE, gap=20)
 
 
 def run_demo(

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
-from tutorial_lib.experiments.common.own import CUSTOM
+from tutorial_lib.experiments.common.own import CUSTOM, or_fault
 from tutorial_lib.experiments.common.report import SHARE, Fault, Finding, Notes, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_goal_images, table2_thresholds
-from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
 from tutorial_lib.experiments.protocols.drives import (
     CONTINUOUS,
     TOUR,
@@ -33,15 +33,20 @@ from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
     ONE,
     Result,
+    attempt,
+    navigate,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
     WORLDS,
+    Building,
+    Trials,
     make_building,
 )
 from tutorial_lib.experiments.protocols.thresholds import CHOSEN, Thresholds
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
 from tutorial_lib.parallel import for_each, lines_of_progress
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
 EVERY, COMPOSED = "all worlds", "composed"
 """Which trials a note is about."""
@@ -49,6 +54,8 @@ QUICK_DRIVES = "0.2"
 """Share that is learned in a quick run with a class of one's own; with all, every agent arrives."""
 PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
 """Success in the least and the most successful of the paper's five worlds."""
+METHODS = ("meng", "sptm", "random", "oracle")
+"""In the order of the rows."""
 
 
 @dataclass(frozen=True)
@@ -247,6 +254,50 @@ def _compared(
         gap = difference(success["meng"][kept], success[name][kept], world)
         found.append(Finding(f"meng - {name}{part}", *gap))
     return found
+
+
+def run_method(
+    method: str,
+    building: Building,
+    whole: Building,
+    trials: Trials,
+    p_edge: float,
+    s_shortcut: float,
+    agent: str,
+    remedies: str,
+    images: str,
+) -> Result | Fault:
+    """One agent: what it learns of a building, and how its trials end; or how it failed.
+
+    Args:
+        method: name of the agent.
+        building: with the drives that it learns.
+        whole: with all drives; only the oracle sees it.
+        trials: to be run.
+        p_edge: of Meng's map.
+        s_shortcut: of SPTM's.
+        agent: FILE.py:CLASS of the custom one.
+        remedies: of Meng's, for places that look alike; see `agents.remedies`.
+        images: of the goals, one of `GOAL_IMAGES`.
+    """
+    if method == "oracle":
+        return Result(
+            navigate(
+                building, trials, lambda sim: OracleNavigation(sim, whole.paths, trials.goal_poses)
+            )
+        )
+    if method == CUSTOM:
+        return or_fault(agent, lambda: attempt(building, trials, agents.custom(agent), images))
+    settings = MapSettings(p_edge=p_edge)
+    if method == "random":
+        made = agents.random_agent(np.random.default_rng([*building.odometry.seed, 1]))
+    elif method == "sptm":
+        made = agents.sptm(s_shortcut=s_shortcut)
+    elif remedies:
+        made = agents.remedied(remedies, settings=settings)
+    else:
+        made = agents.meng(settings=settings)
+    return attempt(building, trials, made, images)
 
 
 EXPERIMENT = Experiment(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -27,7 +27,6 @@ from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwor
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.log import FollowerLog
-from tutorial_lib.topology.following.transitions import FollowerSettings
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import STEP, Simulation
@@ -82,13 +81,11 @@ class Guide:
         recorded: the trajectories.
         context: one of `WEIGHTS`.
         odometry: of the robots that follow, with the same drift each time.
-        rules: thresholds of their follower.
     """
 
     recorded: RecordedWorld
     context: str
     odometry: Odometry = USUAL
-    rules: FollowerSettings = field(default_factory=FollowerSettings)
 
     @cached_property
     def predictor(self) -> WaypointNetwork:
@@ -202,7 +199,7 @@ class Guide:
         targets, prepared = self.predictor.prepare(images), self.reachability.prepare(images)
         paths = AnchorPaths.end_to_end(targets, prepared, [len(one) for one in anchors])
         parts = self.predictor, RMPController(), self.reachability
-        return Follower(paths, *parts, self.rules)
+        return Follower(paths, *parts)
 
 
 def ends_of(anchors: list[NDArray[np.intp]]) -> NDArray[np.intp]:

@@ -1,4 +1,4 @@
-"""A building that changes during a life: one door closes, another opens, furniture moves."""
+"""A building that changes during a life, and its task: doors close and open, furniture moves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import networkx as nx
 import numpy as np
 
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.floorplan import Door, FloorPlan, Furniture
 from tutorial_lib.world.generators.furnish import box_of
 from tutorial_lib.world.generators.rectilinear import overlap
@@ -121,3 +123,25 @@ def _metres(scene: Scene, stops: Array) -> float:
     """Metres from stop to stop (V, N, 2), of all robots; infinite where one is out of reach."""
     legs = stops[:-1].reshape(-1, 2), stops[1:].reshape(-1, 2)
     return float(GridPaths(scene.clearance).between(*legs).sum())
+
+
+class ChangingTask(ExplorationTask):
+    """Robots in one building, which may be rebuilt between two goals."""
+
+    def rebuild(self, scene: Scene) -> None:
+        """Let the building be another from now on.
+
+        A robot that stands where something is put is pushed to the nearest free place; its odometry
+        does not notice.
+        """
+        (name,) = self.scenes
+        self.scenes = {name: scene}
+        self._rows = [(scene, np.arange(len(self)))]
+        poses = self.poses.copy()
+        caught = scene.clearance.at(poses[:, :2]) < DifferentialDrive.radius
+        paths = GridPaths(scene.clearance)
+        free = paths.points[paths.largest]
+        for number in np.flatnonzero(caught):
+            nearest = np.linalg.norm(free - poses[number, :2], axis=1).argmin()
+            poses[number, :2] = free[nearest]
+        self.carry(poses)

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.agents.discrete_ltvn import DiscreteLTVN
-from tutorial_lib.agents.forgetting import Forgetting
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.lifelong import LifelongAgent, LifelongSettings
 from tutorial_lib.agents.ltvn import LTVNAgent
@@ -26,7 +26,9 @@ from tutorial_lib.experiments.protocols.visits import (
     shown,
 )
 from tutorial_lib.exploration.task import ExplorationTask
-from tutorial_lib.interfaces import ExplorationModel, SequentialExplorer
+from tutorial_lib.interfaces import ExplorationModel, ExplorerAgent, SequentialExplorer
+from tutorial_lib.observation import Observation
+from tutorial_lib.validation import with_methods
 
 Maker = Callable[[ExplorationTask, ExplorationModel, np.random.Generator], SequentialExplorer]
 
@@ -34,6 +36,26 @@ COMBINED = LifelongSettings()
 """What is raced, chosen on validation worlds."""
 SHOWN = 1_300
 """Actions for which a robot is shown a building: as many as the combined agent lives."""
+
+
+class Forgetting:
+    """A `SequentialExplorer` that begins anew with each goal: the mark for every memory."""
+
+    def __init__(self, explorer: ExplorerAgent) -> None:
+        """Explore by `explorer`."""
+        self._explorer = with_methods("explorer", explorer, "start", "act")
+
+    def start(self, goals: Observation) -> None:
+        """Begin episodes towards `goals` (N,)."""
+        self._explorer.start(goals)
+
+    def look_for(self, goals: Observation) -> None:
+        """Begin anew, with other goals (N,)."""
+        self._explorer.start(goals)
+
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
+        """What the explorer does (N,)."""
+        return self._explorer.act(observations, running)
 
 
 def _lifelong(**changed: Any) -> Maker:  # noqa: ANN401 - fields of the settings

@@ -21,8 +21,7 @@ from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.common.own import CUSTOM, or_fault
 from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
-from tutorial_lib.experiments.race.changes import changed
-from tutorial_lib.experiments.race.changing_task import ChangingTask
+from tutorial_lib.experiments.race.changes import ChangingTask, changed
 from tutorial_lib.experiments.race.relocations import Relocations
 from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, TOURED, own_runner
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world

@@ -98,22 +98,6 @@ def recoveries(rows: Rows) -> str:
     )
 
 
-def patience(rows: Rows) -> str:
-    """Which robots give up and which arrive, by the follower's thresholds."""
-    return listing(
-        rows,
-        ("fall", lambda row: f"{row['fall']:g}" if row["fall"] < 1 else "no doubts"),
-        ("timeout", "{timeout:g} s"),
-        ("p_lose", "{p_lose:g}"),
-        ("calm", "{calm:g} s"),
-        (f"kidnapped: lost within {SOON:g} s", _soon),
-        ("undisturbed: finished", "{finished_none:.1%}"),
-        ("pushed", "{finished_pushed:.1%}"),
-        ("turned", "{finished_turned:.1%}"),
-        ("a person", "{finished_person:.1%}"),
-    )
-
-
 def _context(row: Row) -> str:
     return CONTEXTS[row["context"]]
 

@@ -6,7 +6,7 @@ from itertools import groupby
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.meng2020.fig4 import FRAMES
-from tutorial_lib.experiments.results_page.markdown import counted, percent, table
+from tutorial_lib.experiments.results_page.markdown import percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Best,
     by,
@@ -65,19 +65,6 @@ def growths(rows: Rows) -> list[float]:
         row["vertices"] / one(rows, world=row["world"], frames=half)["vertices"] - 1
         for row in matching(rows, frames=last)
     ]
-
-
-def rules_of_reuse(rows: Rows) -> str:
-    """Growth, size and success by the rule of reuse."""
-    return listing(
-        rows,
-        ("p_reuse", "{p_reuse:g}"),
-        ("p_between", lambda row: "never" if row["p_between"] == 1 else f"{row['p_between']:g}"),
-        ("vertices", "{vertices:,.0f}"),
-        ("edges", "{edges:,.0f}"),
-        ("growth", "{growth:.1%}"),
-        ("success", lambda row: counted(row["success"], row["trials"])),
-    )
 
 
 def cost(rows: Rows) -> str:

@@ -79,7 +79,6 @@ EXPERIMENTS = {
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
-    "disturbances_patience": "experiment disturbances --ablation patience",
     "meng_table2": "experiment meng_table2",
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
@@ -92,7 +91,6 @@ EXPERIMENTS = {
     HARDER: (
         "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
     ),
-    "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "meng_fig12": "experiment meng_fig12",
     "meng_fig12_localization": "experiment meng_fig12 --ablation localization",
     "meng_table2_remedies": "experiment meng_table2 --remedies all",
@@ -108,7 +106,10 @@ EXPERIMENTS = {
     **{f"race_{name}": f"experiment race --ablation {name}" for name in RACES},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
-RETIRED = ("calibration_mirror", "nts_table1_options", "nts_fig8_options")
+RETIRED = (
+    *("calibration_mirror", "disturbances_patience", "meng_fig13_reuse"),
+    *("nts_table1_options", "nts_fig8_options"),
+)
 """Reports on what was tried and not kept: their code is gone, and a sentence of each stays."""
 COMMANDS = EXPERIMENTS | {name: f"bench {name}" for name in BENCHMARKS}
 """The same, with those whose numbers are a machine's speed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from tutorial_lib.experiments.protocols.moves import MOVES, Disturbance, in_the_
 from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
-from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.world.simulation import STEP
 
 SOON = 5.0
@@ -33,51 +33,17 @@ class Settings:
         context: of C and RE.
         threshold: p_sparsify.
         trajectories: in each world.
-        rules: thresholds of the follower.
-        others: thresholds that the ablation tries, in a row each.
     """
 
     context: str = "k2"
     threshold: float = 0.99
     trajectories: int = 8
-    rules: FollowerSettings = field(default_factory=FollowerSettings)
-    others: tuple[FollowerSettings, ...] = ()
-
-
-_NO_DOUBTS = FollowerSettings(fall=1.0)
-PATIENCE = (
-    FollowerSettings(),
-    FollowerSettings(fall=0.3),
-    _NO_DOUBTS,
-    replace(_NO_DOUBTS, timeout=3.0),
-    replace(_NO_DOUBTS, timeout=2.0),
-    replace(_NO_DOUBTS, p_lose=0.5),
-    replace(_NO_DOUBTS, p_lose=0.6),
-    replace(_NO_DOUBTS, calm=3.0),
-)
-"""How soon a follower gives up; the usual thresholds come first, then fewer doubts and none."""
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Follow the same trajectories with every disturbance."""
     parts = for_each(run_world, options.worlds, options, settings, label="disturbances")
     return [_row(kind, [part[kind] for part in parts]) for kind in parts[0]], []
-
-
-def run_patience(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
-    """A kidnapped robot should give up at once, one behind a person not at all: both, by rules."""
-    rows: Rows = []
-    for rules in settings.others:
-        parts, _ = run(options, replace(settings, rules=rules))
-        found = {part["disturbance"]: part for part in parts}
-        row = {name: getattr(rules, name) for name in ("fall", "timeout", "p_lose", "calm")}
-        row |= {
-            f"finished_{kind}": found[kind]["finished"]
-            for kind in ("none", "pushed", "turned", "person")
-        }
-        soon = ("disturbed", "soon", "soon_low", "soon_high")
-        rows.append(row | {name: found["carried"][name] for name in soon})
-    return rows, []
 
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
@@ -88,7 +54,7 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, dic
     rng = np.random.default_rng([options.seed, world])
     recorded = trajectories(world, settings.trajectories, rng)
     odometry = Odometry(options.drifts, (options.seed, world))
-    guide = Guide(recorded, settings.context, odometry, settings.rules)
+    guide = Guide(recorded, settings.context, odometry)
     paths = [guide.anchors(i, settings.threshold) for i in range(len(recorded.trajectories))]
     ends = ends_of(paths)
     length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
@@ -149,16 +115,6 @@ def _mean(column: Array) -> float:
     return float(column.mean())
 
 
-_PATIENCE = Experiment(
-    "disturbances_patience",
-    run_patience,
-    tuple(range(10_100, 10_120)),  # for validation: nothing is chosen on test worlds
-    (10_100, 10_101),
-    Settings(others=PATIENCE),
-    quick_settings=Settings(trajectories=4, others=PATIENCE),
-    canary=Settings(trajectories=1, others=PATIENCE[:2]),
-    accepts=frozenset({"odometry"}),
-)
 EXPERIMENT = Experiment(
     "disturbances",
     run,
@@ -168,5 +124,4 @@ EXPERIMENT = Experiment(
     quick_settings=Settings(trajectories=4),
     canary=Settings(trajectories=1),
     accepts=frozenset({"odometry"}),
-    ablations={"patience": _PATIENCE},
 )

@@ -3,7 +3,7 @@
 import pytest
 
 from tutorial_lib.cli import main
-from tutorial_lib.commands import pages
+from tutorial_lib.commands import copy
 from tutorial_lib.errors import InputError
 
 NAMES = ("README.md", "notebooks/01_first.ipynb")
@@ -15,8 +15,8 @@ def installed(tmp_path, monkeypatch):
     source, folder = tmp_path / "share", tmp_path / "a course"
     (source / "notebooks").mkdir(parents=True)
     write(source, "first")
-    monkeypatch.setattr(pages, "is_checkout", lambda: False)
-    monkeypatch.setattr(pages, "_pages", lambda: {name: source / name for name in NAMES})
+    monkeypatch.setattr(copy, "is_checkout", lambda: False)
+    monkeypatch.setattr(copy, "_pages", lambda: {name: source / name for name in NAMES})
     return source, folder
 
 
@@ -35,30 +35,30 @@ def state(folder):
 
 def test_a_second_copy_changes_nothing(installed):
     _, folder = installed
-    assert pages.copy_pages(folder) == []
+    assert copy.copy_pages(folder) == []
     before = state(folder)
     assert set(before) == {*NAMES, ".topological-navigation.json"}
     assert before["README.md"][0] == "README.md first"
-    assert pages.copy_pages(folder) == []
+    assert copy.copy_pages(folder) == []
     assert state(folder) == before
 
 
 def test_what_was_deleted_comes_again(installed):
     _, folder = installed
-    pages.copy_pages(folder)
+    copy.copy_pages(folder)
     (folder / NAMES[1]).unlink()
-    assert pages.copy_pages(folder) == []
+    assert copy.copy_pages(folder) == []
     assert (folder / NAMES[1]).exists()
 
 
 def test_a_newer_version_replaces_only_what_was_not_changed(installed):
     source, folder = installed
-    pages.copy_pages(folder)
+    copy.copy_pages(folder)
     (folder / NAMES[1]).write_text("my work")
-    assert pages.copy_pages(folder) == []  # there is nothing newer
+    assert copy.copy_pages(folder) == []  # there is nothing newer
     write(source, "second")
     for _ in range(2):
-        assert pages.copy_pages(folder) == [NAMES[1]]
+        assert copy.copy_pages(folder) == [NAMES[1]]
         assert (folder / NAMES[0]).read_text() == "README.md second"
         assert (folder / NAMES[1]).read_text() == "my work"
 
@@ -77,22 +77,22 @@ def test_files_that_were_there_before_are_kept(installed, monkeypatch, capsys):
 @pytest.mark.parametrize("text", ["", "[]", "{", "\x00", '{"README.md": 3}'])
 def test_damaged_notes_cost_no_work(installed, text):
     source, folder = installed
-    pages.copy_pages(folder)
+    copy.copy_pages(folder)
     (folder / ".topological-navigation.json").write_text(text)
     (folder / "README.md").write_text("my work")
     write(source, "second")
-    assert "README.md" in pages.copy_pages(folder)
+    assert "README.md" in copy.copy_pages(folder)
     assert (folder / "README.md").read_text() == "my work"
 
 
 def test_in_a_checkout_nothing_is_copied(tmp_path):
     with pytest.raises(InputError, match="the checkout; open them there"):
-        pages.copy_pages(tmp_path)
+        copy.copy_pages(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_installation_without_pages_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(pages, "is_checkout", lambda: False)
-    monkeypatch.setattr(pages.metadata, "files", lambda name: None)
+    monkeypatch.setattr(copy, "is_checkout", lambda: False)
+    monkeypatch.setattr(copy.metadata, "files", lambda name: None)
     with pytest.raises(InputError, match="pages are missing; install the course again"):
-        pages.copy_pages(tmp_path)
+        copy.copy_pages(tmp_path)
