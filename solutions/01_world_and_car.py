@@ -116,7 +116,7 @@ display(turn)
 #
 # $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
 #
-# In the code, a point is a *row*. For rows, $R^{\top} p$ is written `offset @ R`.
+# In the code, a point is a *row*. For rows, $R^{\top} v$ is written `v @ R`.
 #
 # ### Exercise 1 · `to_local` (easy, 10 minutes)
 #

@@ -1353,7 +1353,7 @@ show(from_figure(figure))
 # <details><summary>Extras, if you like</summary>
 # Draw the blocks of section 8 with <code>vary=True</code>, which changes the colours at random, and train again: what do you gain elsewhere, and what does it cost?
 #
-# <code>DirectNetwork("direct_k2")</code> from <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>TargetPolicy(direct, targets_of(direct, forty))</code> drives with it. Where does it fail where the waypoints don't?
+# <code>DirectNetwork("direct_k2")</code> from <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>TargetPolicy(direct, targets_of(direct, forty))</code> drives with it. In which episodes does it fail, though waypoints get the car there?
 #
 # Give the car of section 3 a damping of 1.0 instead of 3.0. What does it do at the door? What would a policy look like that keeps a car from driving faster than it can see?
 #

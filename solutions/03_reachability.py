@@ -194,13 +194,14 @@ bet = Prediction(
     "03",
     "bet",
     "Which car would you bet on?",
-    {"A": "car A", "B": "car B", "C": "either: it makes no difference"},
+    {"A": "car A", "B": "car B"},
     right="A",
     robot=f"A arrives, B runs out of time. Not only here: at {reached.shape[1]} places all over "
     f"your flat, with nothing between car and target, it arrives {reached[0].sum()} times as A, "
     f"and {reached[1].sum()} times as B.",
-    tempting="C",
-    because="the distance is the same. But A has its target ahead, and B beside it.",
+    tempting="B",
+    because="in its image the green is as large as in the photo. But its target lies beside it, "
+    "and A's lies ahead.",
     before=cars_picture(),
     after=cars_picture([0, 1]),
 )
@@ -435,7 +436,7 @@ table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 #
 # RE learns from outcomes. From the recorded trajectories, draw a **pair** at random: a start and a target. Drive, and note whether the car arrives. No rule has to say what makes a target hard. In the paper both lie on the same trajectory with probability 0.6; we also move most starts a little sideways.
 #
-# A car that circles for ten minutes and then stumbles on the target hasn't shown that it can reach it. So there's a time limit, set by the length of the shortest path and the slowest tolerated speed (III-C; 5 s and 0.3 m/s are from the authors' code):
+# A car that circles for ten minutes and then stumbles on the target hasn't shown that it can reach it. So there's a time limit, set by $A^*$, the length of the shortest path, and by the slowest tolerated speed (III-C; 5 s and 0.3 m/s are from the authors' code):
 #
 # $$ t_\text{max} = \frac{A^*(o_\text{current}, o_\text{target})}{v_\text{min}} + 5\ \text{s}, \qquad v_\text{min} = 0.3\ \text{m/s}. $$
 #
@@ -608,7 +609,7 @@ ten_drives = Prediction(
 display(ten_drives)
 
 # %% [markdown]
-# The cross-entropy is cheapest at the share that arrives: a network that minimises it predicts a *frequency*. Such a loss is called **proper**; the squared error, or **Brier** score, is proper, too. The absolute error teaches over-confidence. And without the crash RE would be too optimistic exactly where the controller is dangerous.
+# The cross-entropy is cheapest at the share that arrives: a network that minimises it predicts a *frequency*. Such a loss is called **proper**; the squared error, or **Brier** score, is proper, too. The absolute error teaches over-confidence. And without the crash, RE would be too optimistic exactly where the controller is dangerous.
 #
 # So much for theory. It holds for the training rollouts. Whether it holds *in a new building* has to be measured.
 #
@@ -809,7 +810,7 @@ rows = []
 figure, axes = chart(9.0, 4.9, columns=2)
 for name, predicted, panel, tone in lines:
     means, shares, ece = reliability_diagram(predicted, reached, BINS)
-    clipped = np.clip(predicted, 1e-6, 1 - 1e-6)  # predictions of 0 and 1 can cost infinitely much
+    clipped = np.clip(predicted, 1e-12, 1 - 1e-12)  # a miss at 0 or 1 would cost infinitely much
     loss = reach_loss(np.log(clipped / (1 - clipped)), reached, np.ones(len(clipped)))
     rows.append([name, auc(predicted, reached), ece, brier(predicted, reached), loss])
     if panel is not None:
@@ -836,7 +837,7 @@ show(from_figure(figure))
 # With 150 rollouts even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
 #
 # <details><summary>Why doesn't a temperature help the library's network?</summary>
-# It's too modest, not too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
+# Its T is near 1, so its first two curves coincide. It's too modest, not too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
 # </details>
 # <details><summary>In section 1 the calibrated RE was too optimistic for targets beside the car. Is it calibrated?</summary>
 # It is, <i>for pairs like those on which it was fitted</i>. The grid's pairs are of another kind. Before you trust a probability, ask on which pairs it was calibrated, and whether yours are like them.
@@ -876,7 +877,7 @@ for i in worst:
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# These are the worst. The colours differ, but the geometry is similar: a wall on either side, a passage, something at the end. When different places look alike, that's **[[perceptual aliasing]]**, and a map edge between two such places is a **[[wormhole]]**: the planner thinks there's a shortcut, and takes it.
+# These are the worst. The colours differ, but the geometry is similar: a wall on either side, a passage, something at the end. When different places look alike, that's **[[perceptual aliasing]]**, and a map edge between two such places is a **[[wormhole]]**: the planner thinks there's a short cut, and takes it.
 #
 # Among thousands, only a handful are above 0.9. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A map has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, from row to column; the real ones are blue. **Take a pencil.**
 
@@ -917,7 +918,7 @@ display(holes)
 # %% [markdown]
 # What counts isn't an estimator's error rate over all pairs, but over those that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. Random pairs hardly ever include such a mistake, so they can't teach a network to avoid it.
 #
-# So search for mistakes: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 frames in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on one target in ten was mined.
+# So search for mistakes: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 images in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on one target in ten was mined.
 
 # %% hidden=true
 # Read the library's training from its card
@@ -929,10 +930,10 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # %% [markdown]
 # ### Mine the hard pairs yourself
 #
-# The quick network of section 4 has seen no hard pair: in its 300 pairs, the views overlap. Mine some for it. The pool holds these 300, whose labels are known, and the pairs of 45 frames of each training building, for which there are only predictions. Make a training set from the pool, in four steps:
+# The quick network of section 4 has seen no hard pair: in its 300 pairs, the views overlap. Mine some for it. The pool holds these 300, whose labels are known, and the pairs of 45 images of each training building, for which there are only predictions. Make a training set from the pool, in four steps:
 #
 # 1. **Easy pairs**: every pair that already has a label. Each has weight 1.
-# 2. **[[Hard negative]]s**: of the unlabelled pairs that are far and occluded (`occluded`), those with a prediction above `sure`, highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that's left out because its start already has enough doesn't count towards `most`. The label is 0, without a rollout.
+# 2. **[[Hard negative]]s**: of the unlabelled pairs that are far and occluded (`occluded`), those with a prediction above `sure`, highest first: at most `most` of them, and at most `each` with the same start image, or a single odd place would fill the list. A pair that's left out because its start already has enough doesn't count towards `most`. The label is 0, without a rollout.
 # 3. **Confident pairs**: of the unlabelled pairs that are *not* occluded and have a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
 # 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Together they make up `share` of the total weight, easy pairs included.
 #
@@ -948,7 +949,7 @@ def mine_pairs(probability, starts, occluded, labels, roll_out, sure, most, each
     """A training set of the pairs whose labels are known, and of mined ones.
 
     probability: (P,) the network's predictions, all different. starts: (P,)
-    index of the frame at which each pair begins. occluded: (P,) True where a
+    index of the image at which each pair begins. occluded: (P,) True where a
     pair is far and occluded. labels: (P,) 1, 0, or nan where a pair has not
     been rolled out. roll_out: function that takes indices (M,) of pairs and
     returns labels (M,). sure: only pairs with a greater probability are mined.
@@ -983,7 +984,7 @@ mine_pairs = check_mine_pairs.use(mine_pairs)
 
 
 # %% [markdown]
-# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 frames of the *office*, which neither has seen. Watch whether the look-alikes go, and whether the ordinary pairs suffer. This takes about 6 s.
+# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 images of the *office*, which neither has seen. Watch whether the look-alikes go, and whether the ordinary pairs suffer. This takes about 6 s.
 
 
 # %% hidden=true
@@ -1102,7 +1103,7 @@ if sure.any():
 # | `occluded` | far and occluded; surely 0 |
 # | `geodesic`, `overlap` | length of the shortest path, m, and the smaller of the two overlaps |
 # | `ahead`, `aside` | where the target is in the car's frame, m |
-# | `building`, `start` | 0: your flat, 1: the maze; and the index of the pair's start frame |
+# | `building`, `start` | 0: your flat, 1: the maze; and the index of the pair's start image |
 
 # %%
 NAME = "my sixty"  # in the league table
@@ -1212,12 +1213,12 @@ else:
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
 # <i>Look-alikes that fool the network, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. This choice leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
-# <i>One from each place</i>: draw 60 start frames at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs roughly equal the best choice to beat. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
+# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs roughly equal the best choice to beat. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory
 #
-# Here's the longest trajectory in your flat. The car starts on it; slide the target from 1 m behind to 6 m ahead, and turn the car at its start. The curve shows RE for every target. The square shows what happened: every position of the sliders was rolled out. Watch how RE falls: with distance, or at certain places?
+# Here's the longest trajectory in your flat. The car starts on it; slide the target from 1 m behind to 6 m ahead, and turn the car at its start. The curve shows RE for every target, and so do the colours on the map. A single square in the curve's chart shows what happened: at 1 the car arrived, at 0 it didn't. Every position of the sliders was rolled out. Watch how RE falls: with distance, or at certain places?
 
 # %% hidden=true
 # Drive to every target from every start heading, then connect the sliders
@@ -1428,7 +1429,7 @@ show(from_figure(figure))
 # %% [markdown]
 # More context makes RE more accurate, and no RE beats geometry; the [results page](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, including those for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, though the second place is behind the car. Calibration could fix their values, but not their ranking.
 #
-# *Precision*, the share of accepted pairs that arrive, depends on the estimator *and* on the kind of pairs. From one kept image to the next it's nearly 1; among all pairs of a building it's lower.
+# *Precision*, the share of accepted pairs that arrive, depends on the estimator *and* on the kind of pairs. For neighbouring images of one drive it's nearly 1; for all pairs of a building it's lower.
 #
 # <details><summary>Why is there no number from the paper beside ours?</summary>
 # It gives none for RE itself: it shows that maps built with RE work (its Table II), and that path probabilities agree with success rates (Fig. 9). Ours tests the same idea in an easier world, without glass, changing light or people.

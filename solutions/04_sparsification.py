@@ -189,6 +189,8 @@ display(pencil)
 # %% [markdown]
 # ### Exercise 1 · `choose_anchors` (medium, 12 minutes)
 #
+# Code and checks call a recorded image a *frame*; that has nothing to do with coordinates.
+#
 # <details><summary>Hint 1: concept</summary>Walk along the trajectory with two fingers. The left one stays on the anchor i; the right one moves ahead as long as the next frame is reachable from the left one. Once it stops, the left one catches up.</details>
 # <details><summary>Hint 2: approach</summary>Use two loops. The outer one runs while the last anchor is not the last frame. The inner one starts with j = i and increases j by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
 # <details><summary>Hint 3: one line</summary>A walk of at least one step would be <code>place = place + max(steps, 1)</code>. What must be at least one frame ahead of i here?</details>
@@ -715,7 +717,7 @@ show(follower_machine())
 # ### Exercise 4 · `transition` (medium, 12 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Use one if for each state. Let each branch return; then no branch can affect another.</details>
-# <details><summary>Hint 2: approach</summary>In Follow check for the end first, then active, visited = move_on(active, visited, reach, overlap, at, rules). In dead reckoning check RE first and the time second: a car that sees its anchor again is not lost.</details>
+# <details><summary>Hint 2: approach</summary>In Follow, check for the end first, then active, visited = move_on(active, visited, reach, overlap, at, rules). In dead reckoning check RE first and the time second: a car that sees its anchor again is not lost.</details>
 # <details><summary>Hint 3: one line</summary>The first of the tallest would be <code>int(np.argmax(heights))</code>. And which of the two anchors does the last sentence about Follow mean, the one that went into <code>move_on</code>, or the one that came out?</details>
 
 
@@ -753,7 +755,7 @@ transition = check_transition.use(transition)
 # %% [markdown]
 # ### The loop
 #
-# Now write one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things, a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`, in Search, with both anchors −1.
+# Now write one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things in a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`, in Search, with both anchors −1.
 #
 # Each step observes (given), and then:
 #
@@ -1271,7 +1273,7 @@ table({"": "", "cover rate": ".1%"}, rows)
 #
 # ## 10 · Corners, or narrow places?
 #
-# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the least clearance and the turning on the next metre. Vermilion dots are from the first two metres.
+# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the least clearance and the turning over the next metre. Vermilion dots are from the first two metres.
 
 
 # %% hidden=true
@@ -1316,7 +1318,7 @@ show(from_figure(figure))
 #
 # ### Find the bug
 #
-# A colleague finds "the next metre" arbitrary. She measures clearance and turning over the whole gap from each anchor to the next; that saves a line. Suddenly turning hardly matters. Are corners as easy as the rest, then?
+# A colleague finds "the next metre" arbitrary. She measures clearance and turning over the whole gap from each anchor to the next; that saves a line. Suddenly, turning hardly matters. Are corners as easy as the rest, then?
 
 # %% hidden=true
 # Her correlation

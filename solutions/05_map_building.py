@@ -285,7 +285,7 @@ best = nx.dijkstra_path(graph_of(weights), 3, 5)
 pencil = Prediction(
     "05",
     "pencil",
-    "Which is the most probable path from 3 to 5?",
+    "The shaded pairs are edges. Which is the most probable path from 3 to 5?",
     {"A": "3, 1, 4, 5", "B": "3, 1, 5", "C": "3, 4, 5"},
     right="A",
     robot=f"it takes {', '.join(map(str, best))}: {product(3, 1, 4, 5)}.",
@@ -340,14 +340,14 @@ source, target = np.unravel_index(ways_back.argmin(), ways_back.shape)
 one_way = Prediction(
     "05",
     "one_way",
-    f"RE from the blue anchor (upper photo) to the green one is {home.reach[source, target]:.3f}, "
-    f"and {home.reach[target, source]:.2f} back. Of {sure.sum()} pairs above 0.99, how many are "
-    "below 0.5 in reverse?",
-    {"A": "this one and few others", "B": "about one in eight", "C": "more than half"},
-    right="B",
-    robot=f"it finds {(back < 0.5).sum()}; {(back > 0.99).sum()} are above 0.99 in reverse, too: "
-    "mostly twins from two drives, a few decimetres apart at most. For a car that can't turn on the "
-    "spot, one-way streets are everywhere.",
+    f"RE from the blue anchor (upper photo) to the green one is {home.reach[source, target]:.3f}. "
+    "And back, from green to blue?",
+    {"A": "about the same", "B": "about 0.6", "C": "about 0.2"},
+    right="C",
+    robot=f"back it's {home.reach[target, source]:.2f}. Of {sure.sum()} pairs above 0.99, "
+    f"{(back < 0.5).sum()} are below 0.5 in reverse. {(back > 0.99).sum()} are above 0.99 both ways: "
+    "mostly twins from two drives, a few decimetres apart. For a car that can't turn on the spot, "
+    "one-way streets are everywhere.",
     tempting="A",
     because="the two are so close. But the green one looks onward, and what lies behind a car "
     "isn't in its photo.",
@@ -688,7 +688,7 @@ table(head, rows)
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car can seldom drive back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: yours checked every step onward. Hers checked the reverse, and one of her steps is below 0.99. In a table of RE, the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car can seldom drive back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: your map's steps were checked onward, hers in reverse, and one of hers is below 0.99. In a table of RE, the row is always where the robot stands.
 # </details>
 #
 # ## 4 · What nobody showed it

@@ -228,7 +228,7 @@ display(hops)
 #
 # $$ P(\text{path}) = \prod_i \mathcal{RE}(\hat o_i, \hat o_{i+1}) . $$
 #
-# Watch what twelve hops do to a good edge.
+# Watch what's left of a sure hop when twelve of them must work.
 
 # %%
 for p in (0.999, 0.99, 0.95, 0.9):
@@ -522,7 +522,7 @@ for name, answers in (("of the flat", decisions), ("of the office", foreign_deci
 table({"photos": "", **{reason or "starts": "d" for reason in REASONS}}, rows)
 
 # %% [markdown]
-# A photo that resembles nothing at home ends as *no path*. A robot that sets off trusts a look-alike. Here's the most convincing one. Would you have refused?
+# A photo that resembles nothing at home gets *no path*. If the robot starts for a photo of the office, it has fallen for a look-alike. Here's the most convincing one. Would you have refused?
 
 # %% hidden=true
 # The most convincing photo of the office
@@ -1092,7 +1092,7 @@ display(curse)
 #
 # The next map differs from ours by a **single** false edge, and that one looks very sure: 0.999. You don't know which one. Six robots have driven on this map, without replanning. Find the edge from how their trips ended, as you'd have to with a real robot and no floor plan.
 #
-# For each trip you have its path, and the place of the vertex that wasn't reached. What does a trip say about an edge? The edges before that place were **tried and passed**. The edge into it was **tried, and not passed**. The trip says nothing about later edges.
+# For each trip you have its path, and the place of the vertex that wasn't reached. What does a trip say about an edge? The edges before that place were **tried and passed**. The edge into it was **tried, but not passed**. The trip says nothing about later edges.
 #
 # ### Exercise 6 · `tally` (easy, 7 minutes)
 #
@@ -1613,7 +1613,7 @@ table(head, rows, caption=f"{len(many_trials)} trials between five places")
 # With all drives there's nothing to compose, so the paper's table can't tell a system that composes from one that repeats. With few drives, most trials must be composed, and only there do maps show their worth. The results page has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
 #
 # <details><summary>Why is SPTM so much stronger here than in the paper?</summary>
-# In our worlds, different places seldom look alike to the last stripe, and SPTM's threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM fails more often. But in open space RE is seldom sure, and our maps get large.
+# In our worlds, different places seldom look alike to the last stripe, and SPTM's threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM fails more often. But in open space, RE is seldom sure, and our maps get large.
 # </details>
 #
 # ## 11 · Bring your own planner

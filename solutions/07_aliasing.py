@@ -533,9 +533,9 @@ def match_sequence(likelihoods, before):
 match_sequence = check_match_sequence.use(match_sequence)
 
 # %% [markdown]
-# ## 5 · Half-way, somebody carries it off
+# ## 5 · Halfway, somebody carries it off
 #
-# Your robot drives from a twin to the green place; its odometry drifts. Half-way, somebody carries it to another room, and the odometer doesn't notice. In notebook 06, the [[kidnapped robot]] had to get lost before it noticed. What does a belief do?
+# Your robot drives from a twin to the green place; its odometry drifts. Halfway, somebody carries it to another room, and the odometer doesn't notice. In notebook 06, the [[kidnapped robot]] had to get lost before it noticed. What does a belief do?
 #
 # First you need the loop around `predict` and `update`. It decides three things.
 #
@@ -782,7 +782,7 @@ show(stacked([from_figure(figure)], [title]))
 #
 # **An open task.** Four numbers shape your robot's belief: `unknown`, `least`, `sharpness`, `hysteresis`. Too little doubt, and it swears it's in a room where it isn't. Too much, and it's off the map for ever.
 #
-# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**, above. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
+# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**, above; the green line is at 2.5 m. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
 
 # %% hidden=true
 # Drive A at four settings
@@ -925,7 +925,7 @@ film_of(today, map_poses, again, at_goal, 18)
 #
 # A handful of trips won't tell. Here are 500 in ten offices, run by `python -m tutorial_lib experiment meng_fig12`.
 #
-# - `sequence`: sequences confirm edges, reused vertices, and the robot's own vertex; a [[turn edge]], which no sequence confirms, is a last resort;
+# - `sequence`: sequences confirm edges, reused vertices, and the vertex where the robot thinks it is; a [[turn edge]], which no sequence confirms, is a last resort;
 # - `replan`: a lost robot plans again, and so does one that has coasted for too long;
 # - `cycles`: visits are counted, and plans avoid vertices visited often;
 # - `filter`: the belief says where a plan begins, and when to drop it. Off the map, the robot turns, backs up, and says *lost* if no vertex is plausible.

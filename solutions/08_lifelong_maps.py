@@ -217,7 +217,7 @@ display(refused)
 # LTVN asks **one network** about two images: *can I drive from here to the target, and if so, where is it?* The network looks at colour *and* [[depth]], and answers with a probability $\hat r$ and a [[waypoint]] $\hat w = (dx, dy, d\theta)$: how far ahead, how far to the left, and how far turned. The waypoint means something only where $\hat r$ is high.
 #
 # <details><summary>What counts as reachable?</summary>
-# No rollout this time: geometry alone labels a pair. The two views must overlap, with the target less than 3 m away, in sight, ahead, and turned by at most 60°. The network learned waypoints from such pairs only.
+# No rollout this time: geometry alone labels a pair. The two views must overlap, with the target less than 3 m away, in sight, ahead, and turned by at most 60°. The network learnt waypoints from such pairs only.
 # </details>
 #
 # ## 2 · How far is a turn?

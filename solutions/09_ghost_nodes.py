@@ -150,7 +150,7 @@ ways = Prediction(
 display(ways)
 
 # %% [markdown]
-# **110 minutes.** Sections 9 and 10 are for a second sitting: another 20. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
+# **110 minutes.** Sections 9 and 10 are for a second sitting, another 20 minutes. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
 #
 # **Three old questions first.**
 #
@@ -168,7 +168,7 @@ display(ways)
 #
 # This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its wheels and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. Dark dots are where it looked around; purple ones look better to it the darker they are. The green ring is where it's going. The rose has a bar for each of twelve directions: the longer, the better. Bars are purple where there's a purple dot, green where it's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. Dark dots are where it looked around; the darker a purple dot, the more promising it looks. The green ring is where it's going. The compass rose has a bar for each of twelve directions: the longer, the better. Bars are purple where there's a purple dot, green where it's going.
 #
 # The cell takes about 5 s. Move the slider, and guess where the goal is. Only then choose *shown*.
 

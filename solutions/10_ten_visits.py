@@ -135,7 +135,7 @@ memory = Prediction(
 display(memory)
 
 # %% [markdown]
-# **75 minutes.** Section 6 is for a second sitting. You need notebooks 01 and 09: frames and ghosts. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We leave our three papers here, though the robot still comes from D. S. Chaplot et al., [*Neural Topological SLAM*](https://arxiv.org/abs/2005.12256), CVPR 2020. Matching scans is an older art: E. Olson, [*Real-Time Correlative Scan Matching*](https://doi.org/10.1109/ROBOT.2009.5152375), ICRA 2009.
+# **75 minutes.** Section 6 is for a second sitting. You need notebooks 01 and 09: frames and ghosts. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We leave our three papers here, though the robot still comes from D. S. Chaplot et al., [*Neural Topological SLAM*](https://arxiv.org/abs/2005.12256) (NTS), CVPR 2020. Matching scans is an older art: E. Olson, [*Real-Time Correlative Scan Matching*](https://doi.org/10.1109/ROBOT.2009.5152375), ICRA 2009.
 #
 # **Three old questions first.**
 #
@@ -433,7 +433,7 @@ table(
 #
 # - **Does it fit at all?** Two rooms never fit well; but something's often hidden, so don't insist on 1.
 # - **Does it slide?** If it fits nearly as well half a metre away in some direction, the match says nothing.
-# - **Is it near the guess?** Since the last match, odometry has never drifted more than **1 m or 30°**.
+# - **Is it near the guess?** Since the last match, odometry has never drifted more than **1 m or 30°**, twice what exercise 1 tries.
 #
 # Here's how well some matches fit. Where would you draw the lines?
 

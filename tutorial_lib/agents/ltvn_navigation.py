@@ -208,8 +208,8 @@ class LTVNNavigation:
             self._look_around(observation, robot)
             return
         here, kind, arrived_by, offset = found
-        now = float(self._now[robot])
-        for _ in range(_LOOKS):
+        now, doubted = float(self._now[robot]), 0
+        while True:
             path = self._path(state, here, now)
             if path is None:
                 self._look_around(observation, robot)
@@ -231,6 +231,9 @@ class LTVNNavigation:
             if not unseen or state.avoided.get(edge, 0.0) > now:
                 break
             self._doubt(robot, Traversal(edge, kind, False, None, arrived_by, looked=True))
+            doubted += 1
+            if doubted == _LOOKS:
+                break
         if state.avoided.get(edge, 0.0) > now and state.searched < _RECOVERING:
             self._look_around(observation, robot)  # from elsewhere what failed may succeed
             return

@@ -13,14 +13,13 @@ from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
+_CANDIDATES = 64  # vertices that RE is queried about in each view
 _LEAST = 0.5  # RE from which a vertex votes
 _NEAR, _ALONG = 1.5, float(np.deg2rad(45.0))  # metres and rad between votes that agree
 _SHARE = 0.7  # of the best support that a vertex must have
 
 
-def agreeing(
-    topomap: TopoMap, views: Observation, headings: Array, candidates: int = 64
-) -> list[set[int]]:
+def agreeing(topomap: TopoMap, views: Observation, headings: Array) -> list[set[int]]:
     """The vertices that can be reached in each view, as far as the other views agree.
 
     A vertex that RE says can be reached in one view votes for a pose of the robot, by the odometry
@@ -31,14 +30,13 @@ def agreeing(
         topomap: the map; all its trajectories were recorded with one odometry.
         views: (K,) of one robot.
         headings: (K,) of the views, in the robot's frame.
-        candidates: vertices that RE is queried about in each view.
 
     Returns:
         For each view the vertices with at least `_SHARE` of the greatest support.
     """
     if not len(topomap):
         return [set() for _ in headings]
-    near = topomap.nearby(views, candidates)
+    near = topomap.nearby(views, _CANDIDATES)
     view = np.repeat(np.arange(len(near)), near.shape[1])
     vertices = near.ravel()
     reach = topomap.vertices.into(views, view, vertices)

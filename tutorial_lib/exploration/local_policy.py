@@ -88,10 +88,10 @@ class LocalPolicy:
         maps: of the robots.
     """
 
-    def __init__(self, maps: LocalMaps, unseen: int = UNSEEN) -> None:
-        """Drive over `maps`; `unseen` as for `find_paths`."""
+    def __init__(self, maps: LocalMaps) -> None:
+        """Drive over `maps`."""
         count = len(maps.grids)
-        self.maps, self._unseen = maps, unseen
+        self.maps = maps
         self._targets, self._age = np.full((count, 2), np.nan), np.zeros(count, np.intp)
         self._ahead, self._ends = np.zeros((count, 2)), np.zeros((count, 2))
         self._before, self._action = np.zeros((count, 2)), np.zeros(count, np.intp)
@@ -160,7 +160,7 @@ class LocalPolicy:
         rows = np.flatnonzero(stale)
         if len(rows):
             mine = robots[rows]
-            found = find_paths(self.maps, mine, odometry[rows], targets[rows], self._unseen)
+            found = find_paths(self.maps, mine, odometry[rows], targets[rows])
             self._ahead[mine], self._ends[mine] = found.ahead, found.ends
             self._targets[mine], self._age[mine] = targets[rows], 0
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from torch import nn
+
 from tutorial_lib.learning.batches import Blocks
 from tutorial_lib.learning.imitation_data import EPISODES
-from tutorial_lib.learning.settings import Progress, Settings
-from tutorial_lib.learning.weights import Card
+from tutorial_lib.learning.settings import Settings
+from tutorial_lib.learning.training import Objective, train
+from tutorial_lib.learning.weights import Card, load_card
 
 
 @dataclass(frozen=True)
@@ -41,28 +46,50 @@ class BaselineRecipe:
         return (work / f"{self.name}.pt",)
 
 
-def baseline_card(
-    recipe: BaselineRecipe, source: Blocks, progress: Progress, prepared: float, start: str
-) -> Card:
-    """The card of a trained network.
+def train_baseline(
+    recipe: BaselineRecipe,
+    source: Blocks,
+    validation: Sequence[Any],
+    work: Path,
+    begun: float,
+    objective: Objective,
+    init_from: nn.Module | None = None,
+) -> tuple[Any, Card]:
+    """Train on data that are ready.
 
     Args:
-        recipe: that it was trained by.
+        recipe: what to train.
         source: of its batches.
-        progress: of its training.
-        prepared: seconds that its data took.
-        start: checksum of the weights that it starts from or reads.
+        validation: batches of worlds that it is not trained on.
+        work: folder for the checkpoint.
+        begun: when the data were begun, by `time.monotonic`.
+        objective: see `train`.
+        init_from: see `train`.
+
+    Returns:
+        The network and its card.
     """
-    return Card(
+    prepared = time.monotonic() - begun
+    network, progress = train(
+        recipe.architecture,
+        source,
+        validation,
+        recipe.settings,
+        recipe.checkpoints(work)[0],
+        init_from=init_from,
+        objective=objective,
+    )
+    card = Card(
         recipe.name,
         recipe.command,
         recipe.architecture,
         recipe={
             **asdict(recipe.settings),
-            "start": start,
+            "start": load_card(recipe.start).sha256 if recipe.start else "",
             "worlds": recipe.worlds,
             **source.recipe,
         },
         validation=progress.history[progress.best],
         minutes=round((prepared + progress.seconds) / 60, 1),
     )
+    return network, card

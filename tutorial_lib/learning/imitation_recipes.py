@@ -8,7 +8,7 @@ from pathlib import Path
 
 import torch
 
-from tutorial_lib.learning.baseline_recipes import BaselineRecipe, baseline_card
+from tutorial_lib.learning.baseline_recipes import BaselineRecipe, train_baseline
 from tutorial_lib.learning.exploration_data import training_plan, unseen_plan
 from tutorial_lib.learning.exploration_recipes import FIRST_STOPPING
 from tutorial_lib.learning.imitation_data import ImitationSource, expert_episodes
@@ -19,8 +19,7 @@ from tutorial_lib.learning.imitation_network import (
 )
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
-from tutorial_lib.learning.training import train
-from tutorial_lib.learning.weights import Card, load_card, load_network
+from tutorial_lib.learning.weights import Card, load_network
 
 STEPS = 4_000
 
@@ -67,18 +66,8 @@ def train_imitation(
     unseen = expert_episodes(plans, work, recipe.episodes, jobs)
     others = replace(source, recorded=unseen, targets=2, vary=False)
     validation = [others.block([FIRST_STOPPING, i]) for i in range(2)]
-    prepared = time.monotonic() - begun
-    network, progress = train(
-        recipe.architecture,
-        source,
-        validation,
-        recipe.settings,
-        recipe.checkpoints(work)[0],
-        init_from=started,
-        objective=ImitationObjective(),
-    )
-    start = load_card(recipe.start).sha256 if recipe.start else ""
-    return network, baseline_card(recipe, source, progress, prepared, start)
+    objective = ImitationObjective()
+    return train_baseline(recipe, source, validation, work, begun, objective, started)
 
 
 def _started(recipe: BaselineRecipe) -> ImitationNetwork | None:

@@ -45,18 +45,18 @@ class Picture:
     top: int
 
 
-def read_picture(path: str | Path, advice: str = "") -> Picture:
+def read_picture(path: str | Path) -> Picture:
     """A picture from a PGM, PPM, PNG, BMP, JPEG or TIFF file, whatever its name ends in.
 
     Raises:
         InputError: when the file cannot be read, was cut off, is of another kind, or larger than
-            `MAX_PIXELS`; it ends with the advice.
+            `MAX_PIXELS`.
     """
-    data = read_bytes(path, MAX_PICTURE, advice)
+    data = read_bytes(path, MAX_PICTURE)
     try:
         return decode_picture(data)
     except InputError as error:
-        raise failure(path, error, advice) from error
+        raise failure(path, error, "") from error
 
 
 def decode_picture(data: bytes) -> Picture:

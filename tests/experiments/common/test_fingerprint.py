@@ -1,5 +1,7 @@
 """Fingerprints change with the code that runs, and with nothing else."""
 
+import ast
+
 import pytest
 
 from tutorial_lib.experiments.common.fingerprint import code_of, imported, plain_code
@@ -78,4 +80,4 @@ def test_a_renamed_variable_is_another_code(tmp_path):
     ],
 )
 def test_plain_code(source, code):
-    assert plain_code(source) == code
+    assert plain_code(source, ast.parse(source)) == code

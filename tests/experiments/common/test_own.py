@@ -18,7 +18,7 @@ from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.meng2020.table2 import METHODS
 from tutorial_lib.experiments.nts import table1 as nts_table1
-from tutorial_lib.experiments.protocols import controllers, exploration, local_control, navigation
+from tutorial_lib.experiments.protocols import exploration, local_control, navigation
 from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.world.plan_json import save_plan
 
@@ -101,7 +101,7 @@ def test_a_class_is_what_its_members_make_it(own, seam):
 
 def test_a_wrong_class_is_told_what_each_seam_needs(own):
     where = own("class Mine:\n    view = 0\n    def predict(self, *_): ...\n")
-    for load, seams in ((controllers.custom, controllers.SEAMS), (custom, SEAMS)):
+    for load, seams in ((table1.custom, table1.SEAMS), (custom, SEAMS)):
         with pytest.raises(InputError) as error:
             load(where)
         words = str(error.value)
@@ -126,7 +126,7 @@ def clean():
 @pytest.fixture
 def few(clean, monkeypatch):
     """Table I of one small world and one condition, with the rows that are compared here."""
-    every = controllers.controllers
+    every = table1.controllers
 
     def some(seed):
         return {name: every(seed)[name] for name in ("direct", "k2", "k5")}

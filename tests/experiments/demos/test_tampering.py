@@ -13,7 +13,6 @@ from tutorial_lib.experiments import draw_trials, explored, image_poses
 from tutorial_lib.experiments.demos import tampering
 from tutorial_lib.experiments.demos.tampering import ADD, CUT, DOOR, RUN, TamperedMap
 from tutorial_lib.experiments.protocols.lifelong import (
-    MapScore,
     TrueModel,
     deep_experiences,
     score_map,
@@ -145,13 +144,6 @@ def test_a_score_counts_vertices_and_arrivals_and_leaves_the_map_as_it_is(buildi
     assert dict(agent.sampled.graph.edges) == before
     nothing = joined_map(agent.sampled.pool, agent.sampled.rules, [0], [])
     assert score_map(building, queries, nothing).arrived < found.arrived
-
-
-def test_a_map_beats_another_by_fewer_vertices_at_equal_success():
-    best = MapScore(200, 900, 48, 50)
-    assert MapScore(199, 900, 47, 50).beats(best)
-    assert not MapScore(199, 900, 46, 50).beats(best)
-    assert not MapScore(200, 900, 50, 50).beats(best)
 
 
 def test_a_map_of_chosen_vertices_is_the_one_that_sampling_makes(agent):

@@ -178,7 +178,6 @@ def expect(
     mistakes: Iterable[tuple[str, Any]],
     same: Callable[[Any, Any], bool],
     difference: Callable[[Any, Any], str],
-    picture: NDArray[np.uint8] | None = None,
 ) -> None:
     """Demand one answer.
 
@@ -189,14 +188,13 @@ def expect(
         mistakes: for known mistakes, what to say and the answer that they give.
         same: tells whether two answers are equally good.
         difference: says what is wrong when no known mistake gives this answer.
-        picture: what is expected and yours.
 
     Raises:
         WrongAnswer: with the most helpful message.
     """
     if not same(got, want):
         words = _named(got, mistakes, same) or difference(got, want)
-        raise WrongAnswer(f"{what}: {words}", picture)
+        raise WrongAnswer(f"{what}: {words}")
 
 
 def _named(

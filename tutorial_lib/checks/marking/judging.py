@@ -146,12 +146,11 @@ def _asked(worker: subprocess.Popen[bytes], message: object) -> Any:  # noqa: AN
 
 
 @contextmanager
-def judges(folders: Sequence[Path], count: int = 0) -> Iterator[Workers]:
+def judges(folders: Sequence[Path]) -> Iterator[Workers]:
     """Processes that judge, until the end of the block.
 
     Args:
         folders: that were handed in, which no answer sees.
-        count: of processes; 0 for as many as there are cores.
     """
     hidden = [*folders, *(_LIBRARY / name for name in _SOLUTIONS)]
     hidden = [place.resolve() for place in hidden if place.is_dir() and _may_hide(place.resolve())]
@@ -159,7 +158,7 @@ def judges(folders: Sequence[Path], count: int = 0) -> Iterator[Workers]:
     folder.chmod(0o755)
     found = Workers(folder, hidden)
     try:
-        found.start(count or min(joblib.cpu_count(), _WORKERS))
+        found.start(min(joblib.cpu_count(), _WORKERS))
         yield found
     finally:
         found.stop()

@@ -57,11 +57,11 @@ def only(track: Array, frames: list[int]) -> Sees:
     return _strict(sees)
 
 
-def _facing_ahead(points: list[tuple[float, float]], step: float = 0.1) -> Array:
-    """A trajectory (T, 3) through corners, a frame every `step` metres."""
+def _facing_ahead(points: list[tuple[float, float]]) -> Array:
+    """A trajectory (T, 3) through corners, a frame every 0.1 m."""
     corners = np.array(points, dtype=float)
     miles = arc_length(corners)
-    places = np.arange(0.0, miles[-1] + step / 2, step)
+    places = np.arange(0.0, miles[-1] + 0.05, 0.1)
     xy = [np.interp(places, miles, corners[:, axis]) for axis in (0, 1)]
     return np.stack([*xy, np.zeros(len(places))], axis=1)
 

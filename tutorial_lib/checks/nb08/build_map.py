@@ -36,11 +36,11 @@ def build_map(
     return vertices, edges
 
 
-def _line(places: list[float], far: float = 9.0) -> tuple[NDArray[np.bool_], Array]:
+def _line(places: list[float]) -> tuple[NDArray[np.bool_], Array]:
     """Images along a line, each of which reaches those ahead of it, and one a little behind."""
     ahead = np.subtract.outer(places, places).T
     lengths = np.round(np.abs(ahead), 6)
-    return (ahead > -0.3) & (lengths < far) & ~np.eye(len(places), dtype=bool), lengths
+    return (ahead > -0.3) & (lengths < 9.0) & ~np.eye(len(places), dtype=bool), lengths
 
 
 def _three(reach: dict[Edge, float], others: dict[Edge, float]) -> tuple[NDArray[np.bool_], Array]:

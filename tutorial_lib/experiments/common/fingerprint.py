@@ -48,16 +48,12 @@ def imported(module: str, library: Path = LIBRARY) -> dict[str, str]:
     return found
 
 
-def plain_code(source: str) -> str:
+def plain_code(source: str, tree: ast.AST) -> str:
     """A module's code without comments, blank lines, and what docstrings say.
 
-    >>> plain_code("two = 1 + 1  # or 2")
+    >>> plain_code(two := "two = 1 + 1  # or 2", ast.parse(two))
     'two = 1 + 1'
     """
-    return _plain(source, ast.parse(source))
-
-
-def _plain(source: str, tree: ast.AST) -> str:
     lines = _STRING_OR_COMMENT.sub(lambda found: found[1] or "", source).splitlines()
     for node in ast.walk(tree):
         if isinstance(node, ast.Expr) and isinstance(getattr(node.value, "value", None), str):
@@ -84,7 +80,7 @@ def _read(name: str, library: Path) -> tuple[str, tuple[str, ...]] | None:
             found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
             found += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return _plain(source, tree), tuple(found)
+    return plain_code(source, tree), tuple(found)
 
 
 def _fingerprint(text: str) -> str:

@@ -34,9 +34,7 @@ _BEHIND = (1.8, 1.4, 1.0)
 """Metres before a goal from which a car drives straight to it; the first that is free is taken."""
 
 
-def learned(
-    building: Building, number: int, goal: Array, sure: Array, limit: float = LEARNED
-) -> Building:
+def learned(building: Building, number: int, goal: Array, sure: Array) -> Building:
     """The building with only those drives that the demo learns.
 
     Args:
@@ -44,12 +42,11 @@ def learned(
         number: of the drive that is the trip; it is learned only if others cannot take its place.
         goal: (3,) pose in which the last drive arrives; its heading may be NaN.
         sure: (D,) probability along each drive; the surest are learned.
-        limit: metres of all drives together.
     """
     drives, pairs = building.recorded.trajectories, building.pairs
     composed = composing(building, number, goal) or [drives[number]]
     needed = [(one, pairs[number]) for one in composed]
-    room = limit - sum(one.arc_length[-1] for one, _ in needed)
+    room = LEARNED - sum(one.arc_length[-1] for one, _ in needed)
     others = [i for i in range(len(drives)) if i != number]
     for i in sorted(others, key=lambda i: -sure[i]):
         if drives[i].arc_length[-1] <= room:

@@ -177,10 +177,6 @@ class MapScore:
     arrived: int
     queries: int
 
-    def beats(self, other: MapScore, spare: int = 1) -> bool:
-        """Whether this map has fewer vertices, and at most `spare` more queries fail."""
-        return self.vertices < other.vertices and self.arrived >= other.arrived - spare
-
 
 def score_map(building: Building, trials: Trials, sampled: SampledMap) -> MapScore:
     """Run trials on a map that does not change, in fleets."""

@@ -63,18 +63,7 @@ def examine(
     family: str = "",
 ) -> dict[str, dict[str, Array]]:
     """Predictions of each estimator in one world, and the outcomes; arrays by name."""
-    return examine_these(world, estimators(names), bounds, sizes, seed, family)
-
-
-def examine_these(
-    world: int,
-    every: dict[Any, Estimator],
-    bounds: dict[str, Any],
-    sizes: Sizes,
-    seed: int,
-    family: str = "",
-) -> dict[Any, dict[str, Array]]:
-    """The same of any estimators, by their keys."""
+    every = estimators(names)
     rng = np.random.default_rng([seed, world])
     name = local_world(world, family=family)
     scene = scene_of(name)

@@ -17,6 +17,7 @@ CANDIDATES = 64
 """Images that each one is compared with: those most like it, as for Meng's map, where the model
 embeds images; of the others r-hat counts as 0. Else all are compared (ours)."""
 _AT_ONCE = 512
+_AGREES = 0.6  # metres from a waypoint within which a detour by another image ends
 
 
 def length(waypoints: Array) -> Array:
@@ -135,11 +136,11 @@ class ImagePool:
         return self.model.predict(self.observations[images], target[np.zeros(len(images), int)])
 
 
-def support(pool: ImagePool, accepted: NDArray[np.bool_], near: float = 0.6) -> Array:
+def support(pool: ImagePool, accepted: NDArray[np.bool_]) -> Array:
     """(M, M) the share of images between each pair that agree with its waypoint (ours).
 
     An image k is between i and j where i to k and k to j are accepted; it agrees where the waypoint
-    to k and the one from there end within `near` metres of the waypoint to j. Look-alike places
+    to k and the one from there end within 0.6 m of the waypoint to j. Look-alike places
     have no such witnesses, or these contradict. A pair with nobody between has support 0.
     """
     count = len(pool)
@@ -151,6 +152,6 @@ def support(pool: ImagePool, accepted: NDArray[np.bool_], near: float = 0.6) -> 
         via = compose(pool.waypoints[source, between][:, None], pool.waypoints[between])
         off = np.hypot(*(via - pool.waypoints[source][None])[..., :2].transpose(2, 0, 1))
         witness = accepted[between]
-        agree = (witness & (off < near)).sum(axis=0)
+        agree = (witness & (off < _AGREES)).sum(axis=0)
         found[source] = agree / np.maximum(witness.sum(axis=0), 1)
     return found

@@ -153,18 +153,15 @@ class SampledMap:
         back = is_mergeable(self.sure[image, vertices], pool.waypoints[image, vertices], merge)
         return bool((there | back).any())
 
-    def edges_with(
-        self, image: int, vertices: NDArray[np.intp], connect: float | None = None
-    ) -> list[tuple[int, int]]:
+    def edges_with(self, image: int, vertices: NDArray[np.intp]) -> list[tuple[int, int]]:
         """Edges to and from an image that the rules allow, none in reverse.
 
         Args:
             image: its index.
             vertices: (V,) that it may be joined to.
-            connect: in place of the rules' D_c.
         """
         rules, pool = self.rules, self.pool
-        limits = (rules.connect if connect is None else connect, rules.most_turn)
+        limits = (rules.connect, rules.most_turn)
         into = is_connectable(
             self.accepted[vertices, image], pool.waypoints[vertices, image], *limits
         )

@@ -90,7 +90,7 @@ def maze(rng: np.random.Generator, area: float) -> Layout:
     grid = Grid(columns, max(round(cells / columns), 4), corridor, layout.thickness)
     plaza = _plazas(rng, grid)
     tree = _tree(rng, grid, plaza)
-    room = _rooms(rng, grid, plaza, tree)
+    room = _rooms(rng, plaza, tree)
     _add_rooms(layout, grid, plaza, tree, room)
     for passage in grid.passages():
         one, two = (room[plaza[cell]] for cell in passage)
@@ -138,7 +138,7 @@ def _tree(rng: np.random.Generator, grid: Grid, plaza: dict[Cell, Cell]) -> dict
 
 
 def _rooms(
-    rng: np.random.Generator, grid: Grid, plaza: dict[Cell, Cell], tree: dict[Cell, Passage]
+    rng: np.random.Generator, plaza: dict[Cell, Cell], tree: dict[Cell, Passage]
 ) -> dict[Cell, int]:
     """Cut the tree into rooms: for each place the index of its room."""
     parent = {
