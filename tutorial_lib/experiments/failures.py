@@ -57,8 +57,9 @@ class Trip:
     @classmethod
     def read(cls, stored: Mapping[str, Any]) -> Trip:
         """What `stored` gave."""
-        goal, poses = (np.array(stored[name]) for name in ("goal", "poses"))
-        return cls(**{**stored, "goal": goal, "poses": poses})
+        given: dict[str, Any] = {**stored}
+        arrays = {name: np.array(given.pop(name)) for name in ("goal", "poses")}
+        return cls(**given, **arrays)
 
     @property
     def stored(self) -> dict[str, Any]:
@@ -75,7 +76,7 @@ def of_local_control(world: int, options: Options, settings: table1.Settings) ->
     """Trips of Table I in one world, without noise and obstacles."""
     condition = local_control.clean_condition(world, settings.episodes, options.seed)
     found = condition.run(table1.custom(options.agent))
-    for robot in np.flatnonzero(~found.reached):
+    for robot in np.flatnonzero(~found.reached).tolist():
         poses, goal = _until(found.poses, found.seconds, robot), condition.episodes.goals[robot]
         yield Trip(local_world(world), goal, poses, float(found.seconds[robot]), panorama=False)
 
@@ -84,7 +85,7 @@ def of_navigation(world: int, options: Options, settings: table2.Settings) -> It
     """Trips of Table II in one world."""
     building, _, trials = table2.task_of(world, options, settings)
     outcome = navigation.attempt(building, trials, agents.custom(options.agent)).outcome
-    for robot in np.flatnonzero(~outcome.success):
+    for robot in np.flatnonzero(~outcome.success).tolist():
         poses, goal = _until(outcome.poses, outcome.seconds, robot), trials.goal_poses[robot]
         yield Trip(building.name, goal, poses, float(outcome.seconds[robot]), panorama=False)
 
@@ -114,7 +115,7 @@ def of_visits(world: int, options: Options, settings: ten_visits.Settings) -> It
 def _missed(world: str, task: ExplorationTask, begun: int) -> Iterator[Trip]:
     """What robots drove to their present goals, from a step on."""
     path = np.stack(task.path[begun:])
-    for robot in np.flatnonzero(~task.success):
+    for robot in np.flatnonzero(~task.success).tolist():
         steps = int(task.steps[robot])
         track = path[: steps + 1, robot]
         yield Trip(world, task.goal_poses[robot], track, ACTION * steps, panorama=True)
