@@ -58,8 +58,8 @@ class Trip:
     def read(cls, stored: Mapping[str, Any]) -> Trip:
         """What `stored` gave."""
         given: dict[str, Any] = {**stored}
-        arrays = {name: np.array(given.pop(name)) for name in ("goal", "poses")}
-        return cls(**given, **arrays)
+        given |= {name: np.array(given[name]) for name in ("goal", "poses")}
+        return cls(**given)
 
     @property
     def stored(self) -> dict[str, Any]:
