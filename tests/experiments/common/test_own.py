@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import joblib
 import numpy as np
@@ -13,7 +14,7 @@ from tutorial_lib.cli import main
 from tutorial_lib.commands import experiment
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.agents import SEAMS, custom
-from tutorial_lib.experiments.common.own import MEMBERS, load_own
+from tutorial_lib.experiments.common.own import MEMBERS, guarded, load_own
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS
@@ -160,6 +161,48 @@ def test_a_fault_in_table_1_costs_its_own_rows_only(own, few, capsys):
     assert said in report.notes
     assert f"error: {said}; the other rows go on" in capsys.readouterr().err
     assert said in json.loads(json.dumps(report.as_dict()))["notes"]
+
+
+@pytest.mark.few(1)
+def test_what_is_refused_after_it_was_returned_is_said_of_the_method_that_returned_it(own, few):
+    text = CONTROLLER.replace("return self", "return float('nan') * self")
+    report = few.report(Options(worlds=(10_001,), quick=True, agent=own(text)))
+    assert f"--agent {own(text)}: own.py, line 9, after act: actions: nan; give" in str(
+        report.notes[-1]
+    )
+
+
+def test_what_the_library_refuses_before_any_method_was_called_names_no_line(own):
+    where = own(CONTROLLER)
+    part = load_own(where, ["controller"])[1]
+
+    def refuse():
+        raise InputError("demo: the map is too small")
+
+    with pytest.raises(InputError, match=r":Mine: demo: the map is too small$"):
+        guarded(where, refuse)
+    part.usual = SimpleNamespace(act=lambda *_: None)
+    assert part.act(None, None) is None
+    with pytest.raises(InputError, match=r":Mine: own.py, line 9, after act: demo: the map is"):
+        guarded(where, refuse)
+    load_own(where, ["controller"])
+    with pytest.raises(InputError, match=r":Mine: demo: the map is too small$"):
+        guarded(where, refuse)
+
+
+def test_an_error_of_the_library_that_a_method_met_names_the_line(own):
+    text = """
+from tutorial_lib.interfaces import Plan
+
+
+class Mine:
+    def plan(self, *_):
+        return Plan(probabilities=(float("nan"),))
+"""
+    where = own(text)
+    part = load_own(where, ["planner"])[1]
+    with pytest.raises(InputError, match=r":Mine: own.py, line 7: probabilities: nan; give"):
+        guarded(where, part.plan)
 
 
 @pytest.mark.full

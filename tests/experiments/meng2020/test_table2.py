@@ -591,7 +591,7 @@ def changed(text, old, new):
         (
             "return np.zeros((len(robots), 2))",
             "return np.full((10, 2), np.nan)",
-            r"actions: nan; give finite numbers",
+            r"own\.py, line 19, after act: actions: nan; give finite numbers",
         ),
         (
             "return np.zeros((len(robots), 2))",
