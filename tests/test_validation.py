@@ -12,6 +12,7 @@ from hypothesis.extra import numpy as hnp
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import (
     alike,
+    batch,
     flags,
     floats,
     images,
@@ -104,3 +105,19 @@ def test_what_belongs_together_has_one_length():
     alike(starts=np.zeros(2), goals=np.zeros((2, 3)))
     with pytest.raises(InputError, match="starts: 2, goals: 3; give as many of each"):
         alike(starts=np.zeros(2), goals=np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    "several", [[object()] * 2, np.ones((2, 3), bool), np.array([object(), None]), np.zeros(0)]
+)
+def test_a_batch_is_of_any_class_that_has_a_length_and_indices(several):
+    assert batch("targets", several) is several
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    ["two", b"two", {1, 2}, 3, np.array(3), np.array(["x"]), np.array([b"x"]), 1j * np.ones(2)],
+)
+def test_text_and_complex_numbers_are_no_batch(wrong):
+    with pytest.raises(InputError, match=r"^targets: "):
+        batch("targets", wrong)

@@ -273,6 +273,25 @@ def with_methods(name: str, value: Kind, *methods: str) -> Kind:
     return value
 
 
+def batch(name: str, value: Kind) -> Kind:
+    """Images, or whatever an estimator made of them: of any class with a length and indices.
+
+    Raises:
+        InputError: when it is anything else, text, or an array of complex numbers or text.
+
+    >>> batch("prepared", np.array(["kitchen", "bath"]))
+    Traceback (most recent call last):
+    ...
+    tutorial_lib.errors.InputError: prepared: array of <U7; give real numbers
+    """
+    with_methods(name, value, "__len__", "__getitem__")
+    if isinstance(value, (str, bytes)):
+        raise InputError(f"{name}: {quoted(value)}; give several")
+    if isinstance(value, np.ndarray) and value.dtype.kind not in "biufOV":
+        raise InputError(f"{name}: array of {value.dtype}; give real numbers")
+    return value
+
+
 def match(**axes: tuple[int, ...]) -> None:
     """Leading axes of arrays that go together fit as numpy's do; an `InputError` names both."""
     if len(set(axes.values())) == 1:

@@ -215,6 +215,9 @@ def a(value: Any, *, optional: bool = False, **changes: Words) -> Argument:
     """An object of a class, or with the methods of a Protocol."""
     found = _anything(Argument(value))
     found.trials |= {"number": (3, REFUSED), "list": ([value], REFUSED)}
+    if isinstance(value, np.ndarray):  # of whatever numbers
+        found.trials["complex"] = (value + 1j, REFUSED)
+        found.trials["of text"] = (np.full(value.shape, "abc"), REFUSED)
     return _changed(found, optional, changes)
 
 
