@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.array_forms import (
+    LARGEST,
     Shape,
     as_array,
     is_plain,
@@ -46,7 +47,7 @@ def floats(
     nan: bool = False,
     empty: bool = True,
 ) -> NDArray[np.float64]:
-    """Real numbers as float64.
+    """Real numbers as float64, none beyond `LARGEST` but infinities.
 
     Args:
         name: of the argument.
@@ -75,14 +76,18 @@ def floats(
     if least == -np.inf and most == np.inf and is_plain(value, shape):
         return value
     array = as_array(name, value, "biuf", "real numbers", shape, empty).astype(float, copy=False)
-    bad = np.isnan(array) if infinite else ~np.isfinite(array)
+    bad = ~(np.abs(array) <= LARGEST)
+    if infinite:
+        bad &= ~np.isinf(array)
     if least > -np.inf or most < np.inf:
         bad |= ~((array >= least) & (array <= most))
     if nan:
         bad &= ~np.isnan(array)
     if bad.any():
-        allowed = "" if infinite else "finite "
-        raise wrong(name, array[bad].flat[0], f"{allowed}numbers{limits(least, most)}", shape)
+        value, allowed = array[bad].flat[0], "" if infinite else "finite "
+        if LARGEST < abs(value) < np.inf:
+            least, most = max(least, -LARGEST), min(most, LARGEST)
+        raise wrong(name, value, f"{allowed}numbers{limits(least, most)}", shape)
     return array
 
 
@@ -155,7 +160,8 @@ def number(
     Raises:
         InputError: when the argument is anything else.
     """
-    if type(value) is float and least <= value <= most and above < value < np.inf:
+    low, high = max(least, -LARGEST), min(most, LARGEST)
+    if type(value) is float and low <= value <= high and above < value:
         return value
     if above > -np.inf:
         found = float(floats(name, value, (), infinite=infinite))
