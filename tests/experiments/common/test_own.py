@@ -14,13 +14,14 @@ from tutorial_lib.cli import main
 from tutorial_lib.commands import experiment
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.agents import SEAMS, custom
-from tutorial_lib.experiments.common.own import MEMBERS, guarded, load_own
+from tutorial_lib.experiments.common.own import MEMBERS, guarded, load_body, load_own
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.protocols import controllers, exploration, local_control, navigation
 from tutorial_lib.experiments.registry import EXPERIMENTS
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.plan_json import save_plan
 
 CONTROLLER = """
@@ -203,6 +204,39 @@ class Mine:
     part = load_own(where, ["planner"])[1]
     with pytest.raises(InputError, match=r":Mine: own.py, line 7: probabilities: nan; give"):
         guarded(where, part.plan)
+
+
+BODY = """
+from tutorial_lib.world import BicycleCar, DifferentialDrive
+
+
+class Mine(DifferentialDrive): ...
+
+
+def small():
+    return BicycleCar(wheelbase=0.2)
+
+
+def wrong():
+    return BicycleCar(wheelbase=-1.0)
+
+
+def number():
+    return 3
+"""
+
+
+def test_a_body_of_ones_own_is_what_a_class_or_a_function_makes(own):
+    file = own(BODY).removesuffix("Mine")
+    assert isinstance(load_body(f"{file}Mine"), DifferentialDrive)
+    assert load_body(f"{file}small") == BicycleCar(wheelbase=0.2)
+    for name, words in (
+        ("wrong", r"own\.py, line 13: wheelbase: -1\.0; give one real number above 0"),
+        ("number", "made 3; give what makes a BicycleCar or a DifferentialDrive"),
+        ("none", "own.py has no none"),
+    ):
+        with pytest.raises(InputError, match=rf"^--robot .*own\.py:{name}: .*{words}"):
+            load_body(f"{file}{name}")
 
 
 @pytest.mark.full

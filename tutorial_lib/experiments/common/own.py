@@ -11,10 +11,12 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
+from tutorial_lib.array_forms import quoted
 from tutorial_lib.errors import InputError, words_of
 from tutorial_lib.experiments.common.report import Fault
 from tutorial_lib.reading.limits import MAX_TEXT
 from tutorial_lib.reading.regular import read_bytes
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 
 CUSTOM = "custom"
 """The name of its rows."""
@@ -59,7 +61,30 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
     raise InputError(f"--agent {where}: has the methods of no component ({needed}){lacks}")
 
 
-def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+def load_body(where: str) -> BicycleCar | DifferentialDrive:
+    """The body that a class or a function of the user's makes, called without arguments.
+
+    Args:
+        where: "FILE.py:NAME".
+
+    Raises:
+        InputError: as `load_own` does, and when it is no body that the controllers drive.
+    """
+    body = guarded(where, _instantiate, where, option="--robot")
+    if not isinstance(body, BicycleCar | DifferentialDrive):
+        raise InputError(
+            f"--robot {where}: made {quoted(body)}; give what makes a BicycleCar or a "
+            "DifferentialDrive"
+        )
+    return body
+
+
+def guarded(
+    where: str,
+    run: Callable[..., Any],
+    *arguments: Any,  # noqa: ANN401
+    option: str = "--agent",
+) -> Any:  # noqa: ANN401
     """Call `run` with the user's agent; whatever their code raises becomes a clear message.
 
     Raises:
@@ -70,7 +95,7 @@ def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noq
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        raise InputError(f"--agent {where}: {_fault(where, error)}") from error
+        raise InputError(f"{option} {where}: {_fault(where, error)}") from error
 
 
 def or_fault(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401

@@ -17,7 +17,7 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.own import guarded
+from tutorial_lib.experiments.common.own import guarded, load_body
 from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.forecast import DrivesForecast
@@ -55,6 +55,7 @@ from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.maps import map_view
 from tutorial_lib.viz.figures.panels import evenly, stacked
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -75,6 +76,7 @@ def run_demo(
     oracle: bool = False,
     learn: bool = False,
     own: str = "",
+    robot: str = "",
     say: Say = silent,
 ) -> Outcome:
     """Navigate to an image some rooms away; leave demo.webm, demo.png and demo.json.
@@ -89,6 +91,8 @@ def run_demo(
         oracle: drive the same task by an oracle, too, and show both beside each other.
         learn: learn the map even if one was kept, and keep it for later demos.
         own: "FILE.py:CLASS", a component in the place of the agent's; the task is the same.
+        robot: "FILE.py:NAME", what makes the body of the robots that record the drives and that
+            navigates; a `BicycleCar` unless given.
         say: is called with what is being done.
 
     Raises:
@@ -98,7 +102,8 @@ def run_demo(
     check_folder(folder)
     usual = agents.meng()
     agent = _with_own(own) if own else usual
-    asked = {"name": name, "start": start, "goal": goal}
+    body = load_body(robot) if robot else BicycleCar()
+    asked = {"name": name, "start": start, "goal": goal, "body": body}
     task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
     call = partial(guarded, own) if own else _call
     file = call(partial(learn_map, recorded=task.recorded, again=learn), agent, task.building, say)
@@ -254,6 +259,7 @@ def drive_by_sight(
         start=rounded(trial.starts[0]),
         goal=rounded(goal),
         geodesic=round(float(building.paths.between(trial.starts[:, :2], goal[None, :2])[0]), 2),
+        body=repr(building.body),
         people=len(task.people),
         probability=round(plans[0].probability, 3),
         plans=len(plans),
