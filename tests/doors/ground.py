@@ -174,6 +174,7 @@ WITHOUT = {
     **dict.fromkeys(
         (
             "alike",
+            "batch",
             "flag",
             "flags",
             "floats",
