@@ -112,6 +112,8 @@ def test_options_that_do_not_count_are_refused_by_name(tmp_path, capsys):
     for arguments, words in {
         "--map x.yaml --family maze": "--family: the demo cannot use it beside --map",
         "--explore --learn": "--learn: the demo cannot use it with --explore",
+        "--explore --robot mine.py:small": "--robot: the demo cannot use it with --explore",
+        "--robot mine.py:small": "--robot mine.py:small: there is no file mine.py",
         "--life --agent mine.py:Planner": "--agent: the demo cannot use it with --life",
         "--agent mine.py:Planner": "--agent mine.py:Planner: there is no file mine.py",
         "--start 1,2": "--start 1,2: give x,y,heading in metres and radians",
@@ -168,7 +170,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
     ending, ends = "stopped 3.0 m from the goal, believing 89.9%", ((0, 0, 0), (5, 0, 0))
     missed = Outcome(
         *(False, ending, False, 9.0, 2.0, "demo", "box 0", 0, ("open", "open"), 0, *ends),
-        *(5.0, 2, 0.9, 1, 8, 2, None, 30, 60),
+        *(5.0, "BicycleCar()", 2, 0.9, 1, 8, 2, None, 30, 60),
     )
     monkeypatch.setattr(navigation_demo, "run_demo", lambda *_, **__: missed)
     assert main(["demo"]) == 1

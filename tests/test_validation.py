@@ -12,6 +12,7 @@ from hypothesis.extra import numpy as hnp
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import (
     alike,
+    batch,
     flags,
     floats,
     images,
@@ -65,7 +66,7 @@ def test_the_words_say_what_was_given_and_what_to_give(call, words):
 
 @given(hnp.arrays(st.sampled_from(["f4", "f8", "i2", "u1", "?"]), hnp.array_shapes(min_dims=1)))
 def test_real_arrays_pass_unchanged(array):
-    array = np.nan_to_num(array)
+    array = np.clip(np.nan_to_num(array), -1e14, 1e14) if array.dtype.kind == "f" else array
     found = floats("x", array)
     assert found.dtype == np.float64
     assert np.array_equal(found, array)
@@ -78,6 +79,17 @@ def test_an_array_in_the_right_form_is_not_copied():
 
 def test_infinities_pass_where_they_mean_something():
     assert floats("geodesic", [1.0, math.inf], infinite=True, least=0)[1] == math.inf
+
+
+@pytest.mark.parametrize("huge", [1e308, -1e200, np.float32(2e15), 10**18])
+@pytest.mark.parametrize("others", [{}, {"least": -np.inf, "most": 1e300}, {"infinite": True}])
+def test_numbers_whose_squares_or_cells_are_none_are_refused(huge, others):
+    assert np.array_equal(floats("x", [1e15, -1e15], **others), [1e15, -1e15])
+    for call in (lambda: floats("x", [[0.0, huge]], **others), lambda: number("x", huge, **others)):
+        with pytest.raises(InputError, match=r"^x: .*; give .* from -1e\+15 to 1e\+15$"):
+            call()
+    with pytest.raises(InputError, match=r"^x: "):
+        number("x", huge, above=0.0)
 
 
 def test_empty_lists_have_the_kind_that_is_asked_for():
@@ -104,3 +116,19 @@ def test_what_belongs_together_has_one_length():
     alike(starts=np.zeros(2), goals=np.zeros((2, 3)))
     with pytest.raises(InputError, match="starts: 2, goals: 3; give as many of each"):
         alike(starts=np.zeros(2), goals=np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    "several", [[object()] * 2, np.ones((2, 3), bool), np.array([object(), None]), np.zeros(0)]
+)
+def test_a_batch_is_of_any_class_that_has_a_length_and_indices(several):
+    assert batch("targets", several) is several
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    ["two", b"two", {1, 2}, 3, np.array(3), np.array(["x"]), np.array([b"x"]), 1j * np.ones(2)],
+)
+def test_text_and_complex_numbers_are_no_batch(wrong):
+    with pytest.raises(InputError, match=r"^targets: "):
+        batch("targets", wrong)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from types import EllipsisType
 from typing import Any, TypeGuard
@@ -14,6 +13,8 @@ from tutorial_lib.errors import InputError, one_line
 
 Shape = tuple["int | str | EllipsisType", ...]
 """Lengths; a name stands for any length and `...` for any axes in front."""
+LARGEST = 1e15
+"""Of real numbers: the squares of greater ones, or their cells on a grid, are soon none."""
 _INDEX = np.dtype(np.intp)
 _FLOAT, _FEW = np.dtype(float), 4_096  # numbers, of which the sum of squares says all at once
 _QUOTED = 60  # characters of a value within a message
@@ -39,13 +40,13 @@ def as_array(
 
 
 def is_plain(value: object, shape: Shape) -> TypeGuard[NDArray[np.float64]]:
-    """Whether a value is seen at a glance to be right: a few finite float64 of the shape."""
+    """Whether a value is seen at a glance to be right: a few small float64 of the shape."""
     return (
         type(value) is np.ndarray
         and value.dtype is _FLOAT
         and 0 < value.size < _FEW
         and fits(value.shape, shape)
-        and math.isfinite(np.vdot(value, value))
+        and bool(np.vdot(value, value) <= LARGEST**2)
     )
 
 

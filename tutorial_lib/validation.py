@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.array_forms import (
+    LARGEST,
     Shape,
     as_array,
     is_plain,
@@ -46,7 +47,7 @@ def floats(
     nan: bool = False,
     empty: bool = True,
 ) -> NDArray[np.float64]:
-    """Real numbers as float64.
+    """Real numbers as float64, none beyond `LARGEST` but infinities.
 
     Args:
         name: of the argument.
@@ -75,14 +76,18 @@ def floats(
     if least == -np.inf and most == np.inf and is_plain(value, shape):
         return value
     array = as_array(name, value, "biuf", "real numbers", shape, empty).astype(float, copy=False)
-    bad = np.isnan(array) if infinite else ~np.isfinite(array)
+    bad = ~(np.abs(array) <= LARGEST)
+    if infinite:
+        bad &= ~np.isinf(array)
     if least > -np.inf or most < np.inf:
         bad |= ~((array >= least) & (array <= most))
     if nan:
         bad &= ~np.isnan(array)
     if bad.any():
-        allowed = "" if infinite else "finite "
-        raise wrong(name, array[bad].flat[0], f"{allowed}numbers{limits(least, most)}", shape)
+        value, allowed = array[bad].flat[0], "" if infinite else "finite "
+        if LARGEST < abs(value) < np.inf:
+            least, most = max(least, -LARGEST), min(most, LARGEST)
+        raise wrong(name, value, f"{allowed}numbers{limits(least, most)}", shape)
     return array
 
 
@@ -155,7 +160,8 @@ def number(
     Raises:
         InputError: when the argument is anything else.
     """
-    if type(value) is float and least <= value <= most and above < value < np.inf:
+    low, high = max(least, -LARGEST), min(most, LARGEST)
+    if type(value) is float and low <= value <= high and above < value:
         return value
     if above > -np.inf:
         found = float(floats(name, value, (), infinite=infinite))
@@ -270,6 +276,25 @@ def with_methods(name: str, value: Kind, *methods: str) -> Kind:
     for method in methods:
         if not callable(getattr(value, method, None)):
             raise InputError(f"{name}: {quoted(value)}; give an object with the method {method}")
+    return value
+
+
+def batch(name: str, value: Kind) -> Kind:
+    """Images, or whatever an estimator made of them: of any class with a length and indices.
+
+    Raises:
+        InputError: when it is anything else, text, or an array of complex numbers or text.
+
+    >>> batch("prepared", np.array(["kitchen", "bath"]))
+    Traceback (most recent call last):
+    ...
+    tutorial_lib.errors.InputError: prepared: array of <U7; give real numbers
+    """
+    with_methods(name, value, "__len__", "__getitem__")
+    if isinstance(value, (str, bytes)):
+        raise InputError(f"{name}: {quoted(value)}; give several")
+    if isinstance(value, np.ndarray) and value.dtype.kind not in "biufOV":
+        raise InputError(f"{name}: array of {value.dtype}; give real numbers")
     return value
 
 

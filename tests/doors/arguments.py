@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.array_forms import LARGEST
+
 REFUSED, TAKEN, EITHER = "refused", "taken", "either"
 """What must happen: an error that names the argument, a right value, or one of both."""
 
@@ -57,7 +59,9 @@ def floats(
         "nan": (_with(array, np.nan), TAKEN if nan else REFUSED),
         "inf": (_with(array, np.inf), REFUSED if most < np.inf else inside),
         "-inf": (_with(array, -np.inf), REFUSED if least > -np.inf else inside),
-        "huge": (_with(array, 1e300), REFUSED if most < np.inf else EITHER),
+        "huge": (_with(array, 1e308), REFUSED),
+        "all huge": (np.full(array.shape, -1e200), REFUSED),
+        "large": (_with(array, LARGEST / 2), REFUSED if most < np.inf else EITHER),
         "negative": (-np.abs(array) - 1.0, REFUSED if least > -1 else EITHER),
         "bool": (np.ones(array.shape, dtype=bool), EITHER),
     }
@@ -140,7 +144,8 @@ def number(
         "nan": (np.nan, REFUSED),
         "inf": (np.inf, REFUSED if most < np.inf else inside),
         "-inf": (-np.inf, REFUSED if low > -np.inf else inside),
-        "huge": (1e300, REFUSED if most < np.inf else EITHER),
+        "huge": (1e308, REFUSED),
+        "large": (LARGEST / 2, REFUSED if most < np.inf else EITHER),
         "negative": (-abs(value) - 1.0, REFUSED if low > -1 else EITHER),
         "complex": (value + 1j, REFUSED),
         "several": ([value, value], REFUSED),
@@ -215,6 +220,9 @@ def a(value: Any, *, optional: bool = False, **changes: Words) -> Argument:
     """An object of a class, or with the methods of a Protocol."""
     found = _anything(Argument(value))
     found.trials |= {"number": (3, REFUSED), "list": ([value], REFUSED)}
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":  # of whatever numbers
+        found.trials["complex"] = (value + 1j, REFUSED)
+        found.trials["of text"] = (np.full(value.shape, "abc"), REFUSED)
     return _changed(found, optional, changes)
 
 

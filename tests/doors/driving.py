@@ -476,6 +476,7 @@ DOORS = {
         goals=floats(GOALS[:1], ("N", 2), refuses="huge, negative"),
         seed=whole(1, least=0),
         odometry_noise=a(None, optional=True),
+        body=a(BicycleCar(), optional=True),
     ),
     "demonstrate_on": lambda: call(
         demonstrations.demonstrate_on,
@@ -487,6 +488,7 @@ DOORS = {
         goals=floats(GOALS[:1], ("G", 2), empty=False, refuses="huge, negative, shorter G"),
         seed=whole(1, least=0),
         odometry_noise=a(None, optional=True),
+        body=a(BicycleCar(), optional=True),
     ),
     "world_seed": lambda: call(
         demonstrations.world_seed,

@@ -31,7 +31,7 @@ def seen(count=2):
 
 def senses(count=2):
     """The fields of an observation: NaN and infinite where a sensor says nothing."""
-    sensed = {"nan": True, "infinite": True}
+    sensed = {"nan": True, "infinite": True, "either": "huge, all huge"}
     return {
         "image": images(
             np.zeros((count, 16, 64, 3)), ("N", "H", "W", "C"), takes="float, int64", either="bool"
@@ -174,6 +174,7 @@ WITHOUT = {
     **dict.fromkeys(
         (
             "alike",
+            "batch",
             "flag",
             "flags",
             "floats",

@@ -153,6 +153,7 @@ DOORS = {
         observations=a(SEEN),
         contexts=a(CONTEXTS),
         timestamps=floats([0.0, 1.0, 2.0], ("A",), refuses="longer A, shorter A, empty"),
+        prepared=a(np.arange(3), optional=True),
     ),
     "Anchors.subset": lambda: call(
         anchors([0, 1, 2]).subset, anything, index=integers([0, 2], ("N",), least=0, most=2)

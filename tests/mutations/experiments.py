@@ -83,7 +83,7 @@ MUTATIONS = [
     (
         "a car on a tight spot is placed along the path all the same",
         "experiments/protocols/navigation_tasks.py",
-        "tried[is_free(scene, BicycleCar(), tried).argmax()]",
+        "tried[is_free(scene, body, tried).argmax()]",
         "tried[0]",
         f"{TABLE2} -k look",
     ),

@@ -107,6 +107,20 @@ def test_plain_yaml_is_read(tmp_path):
     }
 
 
+def test_tabs_stand_between_words_as_spaces_do(tmp_path):
+    text = (
+        b"image:\tmap.pgm\t\nresolution: \t0.05\t# metres\norigin:\t[-1.0,\t2,\n\t0\t]\n"
+        b"negate\t:\t'0'\nmode:\n-\ta\n- \t\"b\tc\"\t\n"
+    )
+    assert yaml_of(tmp_path, text) == {
+        "image": "map.pgm",
+        "resolution": 0.05,
+        "origin": [-1.0, 2, 0],
+        "negate": "0",
+        "mode": ["a", "b\tc"],
+    }
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [
@@ -125,6 +139,8 @@ def test_plain_yaml_is_read(tmp_path):
         (b"a: {b: 1, 'b': 2}", "line 1 .the key 'b' is given twice"),
         (b"1: a\n0x1: b", "line 2 .the key 1 is given twice"),
         (b"a: [", "line"),
+        (b"a:\n\tb: 1", "line 2 .a tab indents it; use spaces"),
+        (b"a: 1\n \tb: 1", "line 2 .a tab indents it; use spaces"),
         (b"a: " + b"9" * 5_000, "limit"),
         (b"? [a]\n: b", "unhashable"),
         (b"x: \x00", "special characters"),

@@ -216,11 +216,18 @@ def test_a_localizer_decides_where_the_path_begins():
 
 
 @pytest.mark.parametrize(
-    "belief", [[1.0] * 4, [[1.0] * 3], [[2.0, 0, 0, 0]], [[np.nan] * 4], [[-1.0] * 4]]
+    ("belief", "words"),
+    [
+        ([1.0] * 4, r"shape \(4,\); give real numbers of shape \(1, 4\)"),
+        ([[1.0] * 3], r"shape \(1, 3\)"),
+        ([[2.0, 0, 0, 0]], r"2\.0; give finite numbers from 0 to 1"),
+        ([[np.nan] * 4], "nan"),
+        ([[-1.0] * 4], r"-1\.0"),
+    ],
 )
-def test_a_localizer_that_returns_no_probabilities_is_named(belief):
+def test_a_localizer_that_returns_no_probabilities_is_named(belief, words):
     topomap, here, goals = line(4)
-    with pytest.raises(InputError, match=r"localizer: returned .* probabilities \(1, 4\)"):
+    with pytest.raises(InputError, match=f"localizer's probabilities: {words}"):
         DijkstraPlanner(localizer=Here(belief)).plan(here, goals, topomap)
 
 

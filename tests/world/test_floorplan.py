@@ -105,7 +105,7 @@ def test_a_long_building_is_no_large_one():
     assert make_box(480.0, 80.0).area == 480.0 * 80.0
 
 
-@pytest.mark.parametrize("corner", [(1e300, 0.0), (0.0, -1e300), (300.0, 0.0), (np.nan, 0.0)])
+@pytest.mark.parametrize("corner", [(1e12, 0.0), (0.0, -1e12), (300.0, 0.0), (np.nan, 0.0)])
 def test_a_corner_far_off_the_walls_is_refused(corner):
     plan = make_box()
     outline = (*plan.rooms[0].outline, corner)
@@ -124,7 +124,7 @@ def test_a_room_that_no_wall_is_about_is_named_before_it_is_drawn(shift):
         check_closed(replace(plan, rooms=rooms))
 
 
-@pytest.mark.parametrize("place", [1e15, -1e15, 3e7])
+@pytest.mark.parametrize("place", [1e14, -1e14, 3e7])
 def test_a_plan_where_numbers_are_too_coarse_is_refused(place):
     plan = make_box()
     with pytest.raises(InputError, match=r"walls\[0\]: .*; give metres, 2e\+07 at most"):

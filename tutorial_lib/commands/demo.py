@@ -28,7 +28,19 @@ EXPLORED = 2
 """Seed of the usual exploration: from a bedroom over a corridor into the living room, past several
 ghosts of which it chooses some; with seed 0 it would be one straight corridor."""
 LIFELONG_REFUSES = (
-    *("map", "region", "family", "seed", "start", "goal", "oracle", "learn", "agent", "explore"),
+    *(
+        "map",
+        "region",
+        "family",
+        "seed",
+        "start",
+        "goal",
+        "oracle",
+        "learn",
+        "agent",
+        "robot",
+        "explore",
+    ),
 )
 """Options that do not count beside `--lifelong` and `--life`, whose building is always the same."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
@@ -60,6 +72,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.py:CLASS",
         help="a component of your own, as a planner, in the place of the library's: how it does on "
         "the same task",
+    )
+    parser.add_argument(
+        "--robot",
+        metavar="FILE.py:NAME",
+        help="a body of your own, as `def small(): return BicycleCar(wheelbase=0.2)`, with the "
+        "usual camera: it records the drives, and navigates",
     )
     parser.add_argument(
         "--explore",
@@ -139,7 +157,7 @@ def _visit(options: argparse.Namespace) -> bool:
 
 def _explore(options: argparse.Namespace) -> bool:
     """Explore; whether the goal was found."""
-    _refuse(options, "explore", ("oracle", "learn", "agent"))
+    _refuse(options, "explore", ("oracle", "learn", "agent", "robot"))
     seed = EXPLORED if options.seed is None else options.seed
     with Narrator() as say:
         say("importing the library")
@@ -180,6 +198,7 @@ def _navigate(options: argparse.Namespace) -> bool:
             oracle=options.oracle,
             learn=options.learn,
             own=options.agent or "",
+            robot=options.robot or "",
             say=say,
         )
     drives = [(f"by sight, with {options.agent}" if options.agent else "by sight", outcome)]

@@ -17,7 +17,7 @@ from tutorial_lib.learning.tensors import tensor
 from tutorial_lib.learning.threads import settle_threads
 from tutorial_lib.learning.views import LaserView, check_camera
 from tutorial_lib.learning.weights import load_card, load_network
-from tutorial_lib.validation import instance
+from tutorial_lib.validation import batch, instance
 
 
 @dataclass(frozen=True)
@@ -136,6 +136,7 @@ class _Estimator:
         """The same without caching: every pair is encoded for itself, to compare speeds."""
         current = self.view.of(instance("observations", observations, Observation))
         wanted = (len(current), self.architecture.images)
+        contexts = _array_of("contexts", contexts)
         if np.shape(contexts)[:2] != wanted:
             raise InputError(f"contexts: shape {np.shape(contexts)}; give {wanted} images")
         current, targets = self.view.numbers(current), self.view.numbers(contexts)
@@ -239,11 +240,12 @@ class RelativeNetwork(ReachabilityNetwork):
 
 
 def _array_of(name: str, values: ArrayLike) -> NDArray:
-    """Values as an array of whatever they are; an `InputError` for rows of different lengths."""
+    """Values as an array of numbers; an `InputError` also for rows of different lengths."""
     try:
-        return np.asarray(values)
+        array = np.asarray(values)
     except ValueError:
         raise InputError(f"{name}: rows of different lengths; give an array") from None
+    return batch(name, array) if array.ndim else array
 
 
 def _check_targets(name: str, targets: EncodedTargets | NDArray) -> None:

@@ -131,6 +131,19 @@ class _PlainLoader(yaml.SafeLoader):
     # Not those of YAML 1.1. The stubs take what PyYAML keeps in the class for an instance's.
     yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}  # pyrefly: ignore[bad-override]
 
+    def scan_to_next_token(self) -> None:
+        """Skip tabs as well, as yaml-cpp does, but where they would indent a line."""
+        super().scan_to_next_token()
+        while self.peek() == "\t":
+            before = self.buffer[self.pointer - self.column : self.pointer]
+            if not (self.flow_level or before.strip(" \t")):
+                mark = self.get_mark()
+                raise yaml.MarkedYAMLError(
+                    problem="a tab indents it; use spaces", problem_mark=mark
+                )
+            self.forward()
+            super().scan_to_next_token()
+
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         event = self.peek_event()
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):

@@ -16,7 +16,7 @@ from tutorial_lib.interfaces import HERE, Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
-from tutorial_lib.validation import instance, listed, number, whole, with_methods
+from tutorial_lib.validation import floats, instance, listed, number, whole, with_methods
 
 _HERE, _GOAL = "here", "goal"
 Edge = tuple[Any, Any, float]
@@ -114,13 +114,13 @@ class DijkstraPlanner:
         if not len(topomap):
             return np.empty(0, dtype=np.intp), np.empty(0)
         if self.localizer is not None:
-            belief = np.asarray(self.localizer.localize(observation, topomap), dtype=float)
-            probable = ((belief >= 0) & (belief <= 1 + 1e-9)).all()
-            if belief.shape != (1, len(topomap)) or not probable:
-                raise InputError(
-                    f"localizer: returned {belief.shape}; give probabilities "
-                    f"(1, {len(topomap)}), one for each vertex"
-                )
+            belief = floats(
+                "localizer's probabilities",
+                self.localizer.localize(observation, topomap),
+                (1, len(topomap)),
+                least=0.0,
+                most=1 + 1e-9,
+            )
             return topomap.alive, belief[0]
         near = topomap.nearby(observation, self.candidates)[0]
         return near, topomap.vertices.into(observation, np.zeros_like(near), near)

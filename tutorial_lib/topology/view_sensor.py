@@ -8,7 +8,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Targets, WaypointPredictor
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance, whole, with_methods
+from tutorial_lib.validation import batch, instance, whole, with_methods
 
 
 class ViewSensor:
@@ -31,7 +31,7 @@ class ViewSensor:
         """
         self._map = instance("topomap", topomap, TopoMap)
         self._predictor = with_methods("predictor", predictor, "predict")
-        self._targets = with_methods("targets", targets, "__len__", "__getitem__")
+        self._targets = batch("targets", targets)
         self._candidates = whole("candidates", candidates, least=1)
         if len(targets) < len(topomap.vertices):
             raise InputError(f"targets: {len(targets)}; give {len(topomap.vertices)}, all vertices")

@@ -12,6 +12,7 @@ from tutorial_lib.driving.data.demonstrations import (
     SHORTEST,
     demonstrate,
     demonstrate_between,
+    demonstrate_on,
     record_demonstrations,
     world_seed,
 )
@@ -21,7 +22,7 @@ from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import relative
 from tutorial_lib.learning.views import CameraView
-from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.noise import DriftingOdometry, NoNoise
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
@@ -279,6 +280,19 @@ def test_trajectories_lead_from_given_starts_to_given_goals(scene, shown, trials
         assert REACHED <= gap < REACHED + 0.1  # a step before it is reached
         assert is_free(scene, BicycleCar(), trajectory.poses).all()
     assert {trajectory.seed for trajectory in found} == {77}
+
+
+def test_a_drive_is_that_of_the_body_that_is_given():
+    scene = Scene(make_box())
+    where = "box", scene, GridPaths(scene.clearance)
+    start, goal = np.array([[5.0, 5.0, 0.0]]), np.array([[2.0, 5.5]])  # behind it
+    for body, turns_in_place in ((None, False), (DifferentialDrive(), True)):
+        (between,) = demonstrate_between(*where, start, goal, 0, NoNoise(), body)
+        on = demonstrate_on(*where, start, goal, 0, NoNoise(), body)
+        for drive in (between, on):
+            motions = relative(drive.poses[:-1], drive.poses[1:])
+            tightest = np.abs(motions[:, 2]) - np.hypot(*motions[:, :2].T) / 0.6
+            assert (tightest.max() > 0.02) == turns_in_place
 
 
 @pytest.mark.full

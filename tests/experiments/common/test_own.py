@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import joblib
 import numpy as np
@@ -13,13 +14,14 @@ from tutorial_lib.cli import main
 from tutorial_lib.commands import experiment
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.agents import SEAMS, custom
-from tutorial_lib.experiments.common.own import MEMBERS, load_own
+from tutorial_lib.experiments.common.own import MEMBERS, guarded, load_body, load_own
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.meng2020.table2 import METHODS
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.protocols import exploration, local_control, navigation
 from tutorial_lib.experiments.registry import EXPERIMENTS
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.plan_json import save_plan
 
 CONTROLLER = """
@@ -160,6 +162,81 @@ def test_a_fault_in_table_1_costs_its_own_rows_only(own, few, capsys):
     assert said in report.notes
     assert f"error: {said}; the other rows go on" in capsys.readouterr().err
     assert said in json.loads(json.dumps(report.as_dict()))["notes"]
+
+
+@pytest.mark.few(1)
+def test_what_is_refused_after_it_was_returned_is_said_of_the_method_that_returned_it(own, few):
+    text = CONTROLLER.replace("return self", "return float('nan') * self")
+    report = few.report(Options(worlds=(10_001,), quick=True, agent=own(text)))
+    assert f"--agent {own(text)}: own.py, line 9, after act: actions: nan; give" in str(
+        report.notes[-1]
+    )
+
+
+def test_what_the_library_refuses_before_any_method_was_called_names_no_line(own):
+    where = own(CONTROLLER)
+    part = load_own(where, ["controller"])[1]
+
+    def refuse():
+        raise InputError("demo: the map is too small")
+
+    with pytest.raises(InputError, match=r":Mine: demo: the map is too small$"):
+        guarded(where, refuse)
+    part.usual = SimpleNamespace(act=lambda *_: None)
+    assert part.act(None, None) is None
+    with pytest.raises(InputError, match=r":Mine: own.py, line 9, after act: demo: the map is"):
+        guarded(where, refuse)
+    load_own(where, ["controller"])
+    with pytest.raises(InputError, match=r":Mine: demo: the map is too small$"):
+        guarded(where, refuse)
+
+
+def test_an_error_of_the_library_that_a_method_met_names_the_line(own):
+    text = """
+from tutorial_lib.interfaces import Plan
+
+
+class Mine:
+    def plan(self, *_):
+        return Plan(probabilities=(float("nan"),))
+"""
+    where = own(text)
+    part = load_own(where, ["planner"])[1]
+    with pytest.raises(InputError, match=r":Mine: own.py, line 7: probabilities: nan; give"):
+        guarded(where, part.plan)
+
+
+BODY = """
+from tutorial_lib.world import BicycleCar, DifferentialDrive
+
+
+class Mine(DifferentialDrive): ...
+
+
+def small():
+    return BicycleCar(wheelbase=0.2)
+
+
+def wrong():
+    return BicycleCar(wheelbase=-1.0)
+
+
+def number():
+    return 3
+"""
+
+
+def test_a_body_of_ones_own_is_what_a_class_or_a_function_makes(own):
+    file = own(BODY).removesuffix("Mine")
+    assert isinstance(load_body(f"{file}Mine"), DifferentialDrive)
+    assert load_body(f"{file}small") == BicycleCar(wheelbase=0.2)
+    for name, words in (
+        ("wrong", r"own\.py, line 13: wheelbase: -1\.0; give one real number above 0"),
+        ("number", "made 3; give what makes a BicycleCar or a DifferentialDrive"),
+        ("none", "own.py has no none"),
+    ):
+        with pytest.raises(InputError, match=rf"^--robot .*own\.py:{name}: .*{words}"):
+            load_body(f"{file}{name}")
 
 
 @pytest.mark.full

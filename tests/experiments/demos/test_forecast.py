@@ -1,8 +1,11 @@
 """Forecasts of the time that a map takes."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from tutorial_lib.experiments.demos import navigation_demo
 from tutorial_lib.experiments.demos.forecast import DrivesForecast, Forecast
 
 SURE, UNSURE = np.full(40, 0.999), np.full(40, 0.9)
@@ -25,7 +28,7 @@ def test_the_first_drives_correct_it():
 
 
 def test_a_busy_machine_is_known_from_how_long_it_took_to_ask():
-    idle, busy = (DrivesForecast([20.0], [SURE], asked) for asked in (0.03, 0.15))
+    idle, busy = (DrivesForecast([20.0], [SURE], asked) for asked in (0.06, 0.30))
     assert busy.left == pytest.approx(5 * idle.left)
     busy.done(1.0)
     assert busy.left == 0.0
@@ -43,3 +46,26 @@ def test_parts_of_known_cost_are_forecast_at_the_pace_of_those_that_are_done():
     assert forecast.words() == "about 40 s"
     assert forecast.done(20.0)  # twice as slow as usual
     assert forecast.words() == "about 60 s"
+
+
+def test_scans_are_matched_once_before_any_drive_is_timed(monkeypatch):
+    """What numba compiles for that took seconds, and counted as the pace of the first drive."""
+    happened = []
+
+    def match(first, second, starts):
+        assert first.dtype == second.dtype == np.float64  # what is compiled is for that
+        happened.append("match")
+
+    clock = SimpleNamespace(monotonic=lambda: happened.append("clock") or 0.0)
+    agent = SimpleNamespace(learn=lambda _: happened.append("learn"), topomap=[])
+    seen = SimpleNamespace(laser=np.ones((2, 96), np.float32))
+    drives = [SimpleNamespace(arc_length=[20.0])] * 2
+    recorded = SimpleNamespace(trajectories=drives, observe=lambda frames: seen)
+    monkeypatch.setattr(navigation_demo, "match_scans", match)
+    monkeypatch.setattr(navigation_demo, "time", clock)
+    monkeypatch.setattr(navigation_demo, "load_learned", lambda *_: None)
+    monkeypatch.setattr(navigation_demo, "sureness", lambda *_: [SURE, SURE])
+    monkeypatch.setattr(navigation_demo, "experiences", lambda _: drives)
+    navigation_demo.learn_map(agent, SimpleNamespace(recorded=recorded))
+    assert happened[:2] == ["match", "clock"]
+    assert happened.count("learn") == 2

@@ -135,6 +135,7 @@ def test_options_that_do_not_count_in_a_life_are_refused(option, tmp_path, monke
     monkeypatch.chdir(tmp_path)
     values = {"map": ["x.yaml"], "region": ["1,2"], "family": ["maze"], "seed": ["0"]}
     values |= {"start": ["kitchen"], "goal": ["kitchen"], "agent": ["mine.py:Mine"]}
+    values |= {"robot": ["mine.py:small"]}
     assert main(["demo", "--lifelong", f"--{option}", *values.get(option, [])]) == 2
     error = capsys.readouterr().err
     assert f"--{option}: the demo cannot use it with --lifelong; leave it out" in error

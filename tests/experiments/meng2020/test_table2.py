@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -479,6 +480,21 @@ def own(tmp_path):
     return write
 
 
+def test_robots_have_the_body_of_their_building(building, trials):
+    bodies, small = [], BicycleCar(wheelbase=0.2)
+
+    def start(simulation):
+        bodies.append(simulation.body)
+        over = np.ones(len(simulation), bool)
+        return SimpleNamespace(
+            act=lambda seen, robots: np.zeros((len(robots), 2)), arrived=~over, given_up=over
+        )
+
+    for one in (building, replace(building, body=small)):
+        navigation.navigate(one, trials, start)
+    assert bodies == [BicycleCar(), small]
+
+
 def test_a_whole_agent_of_the_user_is_compared(building, trials, own):
     where = own(WHOLE)
     agent = agents.custom(where)
@@ -591,7 +607,7 @@ def changed(text, old, new):
         (
             "return np.zeros((len(robots), 2))",
             "return np.full((10, 2), np.nan)",
-            r"actions: nan; give finite numbers",
+            r"own\.py, line 19, after act: actions: nan; give finite numbers",
         ),
         (
             "return np.zeros((len(robots), 2))",

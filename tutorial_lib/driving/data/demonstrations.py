@@ -29,7 +29,7 @@ from tutorial_lib.parallel import for_each
 from tutorial_lib.validation import floats, instance, number, whole, with_methods
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.noise import MOST_ROBOTS, DriftingOdometry, OdometryNoise
-from tutorial_lib.world.placing import check_free, random_free_poses
+from tutorial_lib.world.placing import check_free, checked_body, random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, Sensors, Simulation
 from tutorial_lib.world.worlds import parse_world, scene_of
@@ -92,6 +92,7 @@ def demonstrate_between(
     goals: Array,
     seed: int,
     odometry_noise: OdometryNoise | None = None,
+    body: Body | None = None,
 ) -> list[Trajectory | None]:
     """Drive from given poses to given places, and record it.
 
@@ -104,6 +105,7 @@ def demonstrate_between(
         seed: to put on the trajectories, and of the drift of the recorded odometry; nothing else
             is random.
         odometry_noise: of the recorded odometry; it drifts, after the seed, unless given.
+        body: of the robots, a `BicycleCar` unless given.
 
     Returns:
         N trajectories as from `demonstrate`, None for a car that did not arrive.
@@ -113,9 +115,10 @@ def demonstrate_between(
     """
     check_recipe(world, scene, seed, odometry_noise)
     starts = floats("starts", starts, ("N", 3))
-    check_free(scene, BicycleCar(), starts, "starts")
+    body = BicycleCar() if body is None else checked_body(body)
+    check_free(scene, body, starts, "starts")
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation = _fleet(scene, starts, odometry)
+    simulation = _fleet(scene, starts, odometry, body=body)
     limit = geodesic_limit(paths, starts, goals)
     return _recorded(world, seed, OraclePolicy(simulation, paths, goals), limit)
 
@@ -128,6 +131,7 @@ def demonstrate_on(
     goals: Array,
     seed: int,
     odometry_noise: OdometryNoise | None = None,
+    body: Body | None = None,
 ) -> Trajectory | None:
     """Drive one car from place to place without a break, and record it.
 
@@ -141,16 +145,18 @@ def demonstrate_on(
         goals: (G, 2) metres, in order.
         seed: as for `demonstrate_between`.
         odometry_noise: likewise.
+        body: likewise.
 
     Returns:
         The trajectory, None if the car did not arrive everywhere.
     """
     check_recipe(world, scene, seed, odometry_noise)
     start = floats("start", start, (1, 3))
-    check_free(scene, BicycleCar(), start, "start")
+    body = BicycleCar() if body is None else checked_body(body)
+    check_free(scene, body, start, "start")
     goals = floats("goals", goals, ("G", 2), empty=False)
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation, recorder = _fleet(scene, start, odometry), Recorder()
+    simulation, recorder = _fleet(scene, start, odometry, body=body), Recorder()
     for goal in goals:
         oracle = OraclePolicy(simulation, paths, goal[None])
         limit = geodesic_limit(paths, simulation.poses, goal[None]) + TURN_ROUND

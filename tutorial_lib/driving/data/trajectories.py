@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.array_forms import LARGEST
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import save_arrays
 from tutorial_lib.reading.arrays import load_arrays
@@ -171,5 +172,5 @@ def _check_column(name: str, array: NDArray[Any], row: tuple[int | None, ...], k
         raise InputError(f"{name}: shape {array.shape} where ({wanted}) belongs")
     if array.dtype != kind:
         raise InputError(f"{name}: type {array.dtype} where {np.dtype(kind)} belongs")
-    if not np.isfinite(array).all():
-        raise InputError(f"{name}: holds numbers that are not finite")
+    if not (np.abs(array) <= LARGEST).all():
+        raise InputError(f"{name}: holds numbers that are not finite, or beyond {LARGEST:g}")

@@ -6,13 +6,17 @@ import importlib.util
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from functools import wraps
 from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import Any
 
+from tutorial_lib.array_forms import quoted
 from tutorial_lib.errors import InputError, words_of
 from tutorial_lib.experiments.common.report import Fault
 from tutorial_lib.reading.limits import MAX_TEXT
 from tutorial_lib.reading.regular import read_bytes
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 
 CUSTOM = "custom"
 """The name of its rows."""
@@ -27,6 +31,8 @@ MEMBERS = {
     "controller": ("act",),
 }
 """What a class can be, see `tutorial_lib.interfaces`, and the members that make it that."""
+_RETURNED: dict[Path, FunctionType] = {}
+"""By file of users' code, the method that returned last: what it gave is found wrong later."""
 
 
 def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
@@ -55,7 +61,30 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
     raise InputError(f"--agent {where}: has the methods of no component ({needed}){lacks}")
 
 
-def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+def load_body(where: str) -> BicycleCar | DifferentialDrive:
+    """The body that a class or a function of the user's makes, called without arguments.
+
+    Args:
+        where: "FILE.py:NAME".
+
+    Raises:
+        InputError: as `load_own` does, and when it is no body that the controllers drive.
+    """
+    body = guarded(where, _instantiate, where, option="--robot")
+    if not isinstance(body, BicycleCar | DifferentialDrive):
+        raise InputError(
+            f"--robot {where}: made {quoted(body)}; give what makes a BicycleCar or a "
+            "DifferentialDrive"
+        )
+    return body
+
+
+def guarded(
+    where: str,
+    run: Callable[..., Any],
+    *arguments: Any,  # noqa: ANN401
+    option: str = "--agent",
+) -> Any:  # noqa: ANN401
     """Call `run` with the user's agent; whatever their code raises becomes a clear message.
 
     Raises:
@@ -65,10 +94,8 @@ def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noq
         return run(*arguments)
     except KeyboardInterrupt:
         raise
-    except InputError as error:
-        raise InputError(f"--agent {where}: {error}") from error
     except BaseException as error:
-        raise InputError(f"--agent {where}: {_fault(where, error)}") from error
+        raise InputError(f"{option} {where}: {_fault(where, error)}") from error
 
 
 def or_fault(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
@@ -94,14 +121,39 @@ def _instantiate(where: str) -> Any:  # noqa: ANN401
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module
     spec.loader.exec_module(module)
+    _watch(module, path.resolve())
     known = getattr(module, name, None)
     if known is None:
         raise InputError(f"{file} has no {name}")
     return known()
 
 
+def _watch(module: ModuleType, file: Path) -> None:
+    """Note which method of the classes of a module returned last."""
+    _RETURNED.pop(file, None)
+    for kind in list(vars(module).values()):
+        if isinstance(kind, type) and kind.__module__ == module.__name__:
+            for name, value in list(vars(kind).items()):
+                if isinstance(value, FunctionType) and not name.startswith("__"):
+                    setattr(kind, name, _noted(value, file))
+
+
+def _noted(method: FunctionType, file: Path) -> Callable[..., Any]:
+    @wraps(method)
+    def call(*arguments: Any, **named: Any) -> Any:  # noqa: ANN401
+        result = method(*arguments, **named)
+        _RETURNED[file] = method
+        return result
+
+    return call
+
+
 def _fault(where: str, error: BaseException) -> str:
-    """The error, and the line of the user's file in which it was raised."""
+    """The error, and the line of the user's file in which it was raised.
+
+    What the library refuses after a method has returned is raised in none: then the method is
+    named, and the line in which it begins.
+    """
     file = Path(where.rpartition(":")[0]).resolve()
     lines = [
         frame.lineno
@@ -110,5 +162,10 @@ def _fault(where: str, error: BaseException) -> str:
     ]
     # A SyntaxError has no frame in the file that it concerns.
     line = lines[-1] if lines else getattr(error, "lineno", None)
-    at = f"{file.name}, line {line}: " if line else ""
-    return f"{at}{words_of(error)}"
+    words = str(error) if isinstance(error, InputError) else words_of(error)
+    if line:
+        return f"{file.name}, line {line}: {words}"
+    method = _RETURNED.get(file)
+    if method is None:
+        return words
+    return f"{file.name}, line {method.__code__.co_firstlineno}, after {method.__name__}: {words}"

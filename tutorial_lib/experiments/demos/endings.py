@@ -13,13 +13,13 @@ from tutorial_lib.interfaces import Plan
 
 
 def drive_ending(found: Outcome, plans: Sequence[Plan] = ()) -> str:
-    """How the only drive of a navigation ended.
+    """How the only drive of a navigation ended; when, is said beside it.
 
     Args:
         found: of one trial.
         plans: of the robot, where it plans.
     """
-    gap, seconds = float(found.gap[0]), float(found.seconds[0])
+    gap = float(found.gap[0])
     off = f"{gap:.1f} m from the goal"
     ending = str(found.ending[0])
     if ending == "arrived" and found.there[0]:
@@ -30,12 +30,12 @@ def drive_ending(found: Outcome, plans: Sequence[Plan] = ()) -> str:
     if ending == "stuck":
         return f"collided: touched something for {STUCK:.0f} s, {off}"
     if ending == "late":
-        return f"out of time after {seconds:.0f} s, {off}"
+        return f"out of time, {off}"
     refusal = plans[-1].refusal if plans else ""
     if refusal and len(plans) == 1:
         return f"refused: {refusal}"
     why = f": {refusal}" if refusal else ""
-    return f"gave up after {seconds:.0f} s, {off}{why}"
+    return f"gave up, {off}{why}"
 
 
 def exploration_ending(task: ExplorationTask) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tutorial_lib.geometry import Array
 
-_METRE, _ANCHOR, _ASKED = 0.0114, 0.021, 0.0014
+_METRE, _ANCHOR, _ASKED = 0.0114, 0.021, 0.0028
 """Seconds on an idle laptop for each metre of a drive and for each of its anchors; and for each
 metre along which RE is asked."""
 _ANCHORS = (0.97, 0.99, 0.997), (5.0, 3.0, 0.2)

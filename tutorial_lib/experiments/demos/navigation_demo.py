@@ -10,13 +10,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.own import guarded
+from tutorial_lib.experiments.common.own import guarded, load_body
 from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.forecast import DrivesForecast
@@ -45,6 +46,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation, Plan
 from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.topology.mapping.scan_matching import match_scans
 from tutorial_lib.validation import floats
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
@@ -52,6 +54,7 @@ from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.maps import map_view
 from tutorial_lib.viz.figures.panels import evenly, side_by_side, stacked
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -104,6 +107,7 @@ def run_demo(
     oracle: bool = False,
     learn: bool = False,
     own: str = "",
+    robot: str = "",
     say: Say = silent,
 ) -> Outcome:
     """Navigate to an image some rooms away; leave demo.webm, demo.png and demo.json.
@@ -118,6 +122,8 @@ def run_demo(
         oracle: drive the same task by an oracle, too, and show both beside each other.
         learn: learn the map even if one was kept, and keep it for later demos.
         own: "FILE.py:CLASS", a component in the place of the agent's; the task is the same.
+        robot: "FILE.py:NAME", what makes the body of the robots that record the drives and that
+            navigates; a `BicycleCar` unless given.
         say: is called with what is being done.
 
     Raises:
@@ -127,7 +133,8 @@ def run_demo(
     check_folder(folder)
     usual = agents.meng()
     agent = _with_own(own) if own else usual
-    asked = {"name": name, "start": start, "goal": goal}
+    body = load_body(robot) if robot else BicycleCar()
+    asked = {"name": name, "start": start, "goal": goal, "body": body}
     task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
     call = partial(guarded, own) if own else _call
     file = call(partial(learn_map, recorded=task.recorded, again=learn), agent, task.building, say)
@@ -207,6 +214,8 @@ def learn_map(
         agent.topomap, file = kept
         say(f"loading the learned map {file.name}: {len(agent.topomap)} images")
         return file
+    scans = building.recorded.observe(np.arange(2)).laser.astype(float)
+    match_scans(scans, scans, np.zeros((2, 1, 3)))  # compiled before the first drive is timed
     drives = building.recorded.trajectories
     lengths = [one.arc_length[-1] for one in drives]
     begun = time.monotonic()
@@ -253,7 +262,7 @@ def drive_by_sight(
     view = map_view(building.scene, agent.topomap, poses, task.bounds)
     said = time.monotonic()
     film: list[Moment] = []
-    legend = (*LEGEND, ("map image", hue(0)))
+    legend = (*LEGEND, ("vertex of the map", hue(0)))
     shown = Beside(RolloutFilm(view, film, title, legend), oracle[0] if oracle else ())
 
     def watch(moment: Moment) -> None:
@@ -281,6 +290,7 @@ def drive_by_sight(
         start=rounded(trial.starts[0]),
         goal=rounded(goal),
         geodesic=round(float(building.paths.between(trial.starts[:, :2], goal[None, :2])[0]), 2),
+        body=repr(building.body),
         people=len(task.people),
         probability=round(plans[0].probability, 3),
         plans=len(plans),

@@ -43,6 +43,7 @@ class Outcome(Drive):
         start: x, y and heading.
         goal: x, y and heading at which its image was taken.
         geodesic: metres of the shortest path.
+        body: of the robot.
         people: who walk beside the path.
         probability: of the first plan.
         plans: their number.
@@ -62,6 +63,7 @@ class Outcome(Drive):
     start: tuple[float, float, float]
     goal: tuple[float, float, float]
     geodesic: float
+    body: str
     people: int
     probability: float
     plans: int

@@ -124,7 +124,7 @@ def _facing(building: Building, places: NDArray[np.intp], goal: Array) -> Array:
     count = len(places)
     ends = np.concatenate([building.places[places], goal[None]])
     pairs = np.stack([np.arange(count), np.full(count, count)], axis=1)
-    return facing(building.scene, building.paths, ends, pairs)
+    return facing(building.scene, building.paths, ends, pairs, building.body)
 
 
 def _first(building: Building, tried: list[tuple[Array, list[Array]]]) -> Trajectory | None:
@@ -137,4 +137,4 @@ def _drive(building: Building, start: Array, goals: list[Array]) -> Trajectory |
     """A recorded drive of one car from a pose (3,) over places; none if it does not arrive."""
     noise = building.odometry.noise(RECORDING)
     where = building.name, building.scene, building.paths
-    return demonstrate_on(*where, start[None], np.array(goals), 0, noise)
+    return demonstrate_on(*where, start[None], np.array(goals), 0, noise, building.body)

@@ -27,7 +27,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas.plan_view import Picture
-from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
@@ -87,6 +87,7 @@ def choose_task(
     name: str = "",
     start: End | None = None,
     goal: End | None = None,
+    body: Body | None = None,
 ) -> Task:
     """Record drives between places of a scene, choose a trip, and the drives that are learned.
 
@@ -99,23 +100,22 @@ def choose_task(
         name: of the world; its family and seed unless given.
         start: that was asked for.
         goal: that was asked for.
+        body: of the robots that record the drives and that navigates, a `BicycleCar` unless given.
 
     Raises:
         InputError: when the scene is too small, or a start or goal cannot be had.
     """
     rng = np.random.default_rng(seed)
     say("recording drives between the places of the building")
-    paths = GridPaths(scene.clearance)
-    begins, ends = (
-        None if end is None else end.find(scene, paths, BicycleCar()) for end in (start, goal)
-    )
+    paths, body = GridPaths(scene.clearance), body or BicycleCar()
+    begins, ends = (None if end is None else end.find(scene, paths, body) for end in (start, goal))
     given = np.array([end for end in (begins, ends) if end is not None]).reshape(-1, 3)
     _check_apart(paths, given)
     paths, bounds = _part_of(scene, paths, given[:, :2], rng)
     spread = spread_places(paths, max(places - len(given), 1), rng)
     name = name or f"{scene.plan.family} {scene.plan.seed}"
     chosen = np.concatenate([given[:, :2], spread])
-    whole = recorded_between(name, scene, paths, chosen, Odometry(seed=(seed,)))
+    whole = recorded_between(name, scene, paths, chosen, Odometry(seed=(seed,)), body)
     fits = np.ones(len(whole.pairs), bool)
     if start is not None:
         fits &= whole.pairs[:, 0] == 0
@@ -169,7 +169,7 @@ def _trial(
     if start is not None and not np.isnan(start[2]):
         return trial_to(whole, number, start, goal)
     first = whole.recorded.poses[whole.recorded.first_frames[[number]]]
-    starts, found = perturbed(whole.scene, first, PAPER_PERTURBATION, rng)
+    starts, found = perturbed(whole.scene, first, PAPER_PERTURBATION, rng, whole.body)
     return trial_to(whole, number, starts[0] if found[0] else first[0], goal)
 
 

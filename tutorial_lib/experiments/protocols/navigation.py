@@ -101,15 +101,20 @@ def navigate(
 ) -> Outcome:
     """Run all trials at once, each for at most `TIMES` the oracle's time and `GRACE` seconds.
 
-    The robots have the building's odometry, with the same drift each time, and the usual sensors
-    unless others are given.
+    The robots have the building's body and odometry, with the same drift each time, and the usual
+    sensors unless others are given.
     """
     odometry = instance("building", building, Building).odometry.noise(NAVIGATING)
     instance("trials", trials, Trials)
     if not callable(start):
         raise InputError(f"start: {start!r}; give a function of the simulation")
     simulation = Simulation(
-        building.scene, trials.starts, people=people, sensors=sensors, odometry_noise=odometry
+        building.scene,
+        trials.starts,
+        body=building.body,
+        people=people,
+        sensors=sensors,
+        odometry_noise=odometry,
     )
     navigation, goals = start(simulation), trials.goal_poses
     ends = NavigationEnds(navigation, TIMES * trials.seconds + GRACE)

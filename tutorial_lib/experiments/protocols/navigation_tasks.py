@@ -19,7 +19,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.odometry import RECORDING, USUAL, Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.validation import flag, floats, instance, integers, whole
-from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
@@ -27,6 +27,8 @@ from tutorial_lib.world.worlds import map_world, scene_of
 
 WORLDS = tuple(range(20_000, 20_005))
 """Of Table II and what belongs to it."""
+CAR = BicycleCar()
+"""The robot, unless it is another."""
 PLACES = 10
 """Joined pairwise by 90 trajectories (Meng 2020, IV-C)."""
 ROOMY = 0.45
@@ -52,6 +54,7 @@ class Building:
         recorded: the trajectories, one for each pair.
         pairs: (D, 2) the places that each trajectory joins.
         odometry: of the robots that record trajectories and navigate in it.
+        body: likewise.
     """
 
     name: str
@@ -61,6 +64,7 @@ class Building:
     recorded: RecordedWorld
     pairs: NDArray[np.intp]
     odometry: Odometry = USUAL
+    body: Body = CAR
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +156,12 @@ def explored(
 
 
 def recorded_between(
-    name: str, scene: Scene, paths: GridPaths, places: Array, odometry: Odometry = USUAL
+    name: str,
+    scene: Scene,
+    paths: GridPaths,
+    places: Array,
+    odometry: Odometry = USUAL,
+    body: Body = CAR,
 ) -> Building:
     """Record a trajectory for each ordered pair of places (P, 2).
 
@@ -161,16 +170,16 @@ def recorded_between(
     """
     count = len(places)
     pairs = np.array(list(permutations(range(count), 2)))
-    starts = facing(scene, paths, places, pairs)
+    starts = facing(scene, paths, places, pairs, body)
     goals, noise = places[pairs[:, 1]], odometry.noise(RECORDING)
-    trajectories = demonstrate_between(name, scene, paths, starts, goals, 0, noise)
+    trajectories = demonstrate_between(name, scene, paths, starts, goals, 0, noise, body)
     kept = {i: one for i, one in enumerate(trajectories) if long_enough(one)}
     if not kept:
         raise InputError(
             f"{name}: no trajectory between any two of {count} places; give a larger map"
         )
     recorded = RecordedWorld(scene, list(kept.values()))
-    return Building(name, scene, paths, places, recorded, pairs[list(kept)], odometry)
+    return Building(name, scene, paths, places, recorded, pairs[list(kept)], odometry, body)
 
 
 def draw_trials(
@@ -192,7 +201,7 @@ def draw_trials(
     which = np.resize(rng.permutation(among), round(_SPARE * count) + 1)
     first = building.recorded.first_frames[which]
     starts, found = perturbed(
-        building.scene, building.recorded.poses[first], PAPER_PERTURBATION, rng
+        building.scene, building.recorded.poses[first], PAPER_PERTURBATION, rng, building.body
     )
     return _shown(building, starts[found], building.pairs[which[found]], count)
 
@@ -208,7 +217,7 @@ def trials_from_anywhere(building: Building, count: int, rng: np.random.Generato
     size = round(_SPARE_ANYWHERE * count)
     frames = rng.integers(len(building.recorded.poses), size=size)
     starts, found = perturbed(
-        building.scene, building.recorded.poses[frames], ANYWHERE_PERTURBATION, rng
+        building.scene, building.recorded.poses[frames], ANYWHERE_PERTURBATION, rng, building.body
     )
     which = np.searchsorted(building.recorded.first_frames, frames, side="right") - 1
     pairs = np.stack(
@@ -221,7 +230,8 @@ def trials_from_anywhere(building: Building, count: int, rng: np.random.Generato
 def _shown(building: Building, starts: Array, pairs: NDArray[np.intp], count: int) -> Trials:
     """At most `count` trials, each with the image that an oracle took at its end."""
     places = building.places[pairs[:, 1]]
-    shown = demonstrate_between(building.name, building.scene, building.paths, starts, places, 0)
+    where = building.name, building.scene, building.paths
+    shown = demonstrate_between(*where, starts, places, 0, body=building.body)
     arrived = [(i, one) for i, one in enumerate(shown) if long_enough(one)][:count]
     kept, oracle = [i for i, _ in arrived], RecordedWorld(building.scene, [t for _, t in arrived])
     goals = np.unique(oracle.last)
@@ -256,7 +266,9 @@ def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Arr
     )
 
 
-def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp]) -> Array:
+def facing(
+    scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp], body: Body = CAR
+) -> Array:
     """Poses (D, 3) at the first place of each pair (D, 2) that look along the path to the other."""
     instance("scene", scene, Scene)
     places = floats("places", places, ("P", 2))
@@ -273,7 +285,7 @@ def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp
         ahead = path[min(int(np.searchsorted(far, _LOOK)), len(path) - 1)] - path[0]
         heading = np.arctan2(ahead[1], ahead[0])
         tried = np.column_stack([np.tile(path[0], (len(_TURNS), 1)), heading + _TURNS])
-        poses[i] = tried[is_free(scene, BicycleCar(), tried).argmax()]
+        poses[i] = tried[is_free(scene, body, tried).argmax()]
     return poses
 
 

@@ -16,7 +16,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability, Targets, WaypointPredictor
 from tutorial_lib.topology.query import query
-from tutorial_lib.validation import alike, flags, instance, integers, with_methods
+from tutorial_lib.validation import alike, batch, flags, instance, integers, with_methods
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,9 @@ class AnchorPaths:
     paths: Sequence[ArrayLike]
 
     def __post_init__(self) -> None:
-        for name in ("targets", "prepared", "paths"):
-            with_methods(name, getattr(self, name), "__len__")
+        for name in ("targets", "prepared"):
+            batch(name, getattr(self, name))
+        with_methods("paths", self.paths, "__len__")
         if len(self.targets) != len(self.prepared):
             raise InputError(
                 f"paths: {len(self.targets)} targets but {len(self.prepared)} prepared for "
@@ -60,7 +61,7 @@ class AnchorPaths:
     @classmethod
     def end_to_end(cls, targets: Targets, prepared: Any, lengths: ArrayLike) -> AnchorPaths:  # noqa: ANN401
         """Paths of so many anchors each, which lie one after the other among the targets."""
-        with_methods("targets", targets, "__len__")
+        batch("targets", targets)
         lengths = integers("lengths", lengths, ("N",), least=1, empty=False)
         bounds = np.cumsum([0, *lengths])
         if bounds[-1] != len(targets):

@@ -12,8 +12,9 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.sparsify import contextified, sparsify
+from tutorial_lib.topology.mapping.vertices import Vertices
 from tutorial_lib.topology.query import check_seen
-from tutorial_lib.validation import floats, instance, integers, with_methods
+from tutorial_lib.validation import batch, floats, instance, integers, with_methods
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class Anchors:
 
     def __post_init__(self) -> None:
         check_seen(self.observations)
-        with_methods("contexts", instance("contexts", self.contexts, np.ndarray), "__len__")
+        batch("contexts", instance("contexts", self.contexts, np.ndarray))
         floats("timestamps", self.timestamps, ("A",))
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
         if len(set(counts)) > 1 or counts[0] < 2:
@@ -47,6 +48,8 @@ class Anchors:
                 f"anchors: {counts[0]} observations, {counts[1]} contexts, {counts[2]} timestamps; "
                 "give as many of each, two at least"
             )
+        if self.prepared is not None:
+            Vertices.checked(self.prepared, counts[0])
 
     def __len__(self) -> int:
         return len(self.observations)
@@ -79,7 +82,7 @@ def anchors_of(
     check_seen(observations)
     frames = len(observations)
     timestamps = floats("timestamps", timestamps, (frames,))
-    if len(with_methods("images", images, "__len__", "__getitem__")) != frames:
+    if len(batch("images", images)) != frames:
         raise InputError(f"images: {len(images)}, observations: {frames}; give as many of each")
     contexts = contextified(images, k)
     prepared = reachability.prepare(contexts)

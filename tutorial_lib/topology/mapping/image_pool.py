@@ -11,7 +11,7 @@ from tutorial_lib.interfaces import Observation, RelativeModel
 from tutorial_lib.se2 import Array, compose, wrap
 from tutorial_lib.topology.mapping.growing_batch import GrowingBatch
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
-from tutorial_lib.validation import alike, floats, instance, integers, with_methods
+from tutorial_lib.validation import alike, batch, floats, instance, integers, with_methods
 
 CANDIDATES = 64
 """Images that each one is compared with: those most like it, as for Meng's map, where the model
@@ -76,7 +76,7 @@ class ImagePool:
             drive: (N,) see `ImagePool`.
             frame: (N,) see `ImagePool`.
         """
-        instance("contexts", contexts, np.ndarray)
+        batch("contexts", instance("contexts", contexts, np.ndarray))
         count, old = len(observations), len(self)
         drive = integers("drive", drive, (count,), least=0)
         frame = integers("frame", frame, (count,), least=0)

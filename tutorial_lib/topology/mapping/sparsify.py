@@ -9,7 +9,7 @@ from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.query import check_seen, query
-from tutorial_lib.validation import integers, number, whole, with_methods
+from tutorial_lib.validation import batch, integers, number, whole, with_methods
 
 _MOST_CONTEXT = 1_000  # images on either side, more than any network takes
 _MOST_FRAMES = 10**9
@@ -46,9 +46,7 @@ def sparsify(
     check_seen(observations)
     frames = len(observations)
     _check_frames(frames)
-    if isinstance(prepared, str | bytes):
-        raise InputError("prepared: a text; give what the `prepare` of RE returned")
-    if len(with_methods("prepared", prepared, "__len__", "__getitem__")) != frames:
+    if len(batch("prepared", prepared)) != frames:
         raise InputError(
             f"sparsify: {len(prepared)} prepared targets for {frames} observations; prepare every "
             "frame of this trajectory"

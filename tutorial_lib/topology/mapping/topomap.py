@@ -20,6 +20,7 @@ from tutorial_lib.topology.mapping.vertices import Indices, Vertices
 from tutorial_lib.topology.query import check_seen
 from tutorial_lib.validation import (
     alike,
+    batch,
     floats,
     instance,
     integers,
@@ -168,7 +169,7 @@ class TopoMap:
         """
         check_seen(observations)
         count = len(observations)
-        instance("contexts", contexts, np.ndarray)
+        batch("contexts", instance("contexts", contexts, np.ndarray))
         timestamps = floats("timestamps", timestamps, (count,))
         trajectory = integers("trajectory", trajectory, (count,), least=0)
         place = integers("place", place, (count,), least=0)

@@ -12,6 +12,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.growing_batch import GrowingBatch
 from tutorial_lib.topology.query import query
+from tutorial_lib.validation import batch
 
 Indices = NDArray[np.intp]
 """Of vertices."""
@@ -85,7 +86,7 @@ class Vertices:
             ) from error
         if made != count:
             raise InputError(f"reachability: prepared {made} of {count} targets; give all")
-        return prepared
+        return batch("prepared", prepared)
 
     def prepared_targets(self, indices: ArrayLike) -> Any:  # noqa: ANN401
         """The prepared targets of vertices (N,), N > 0, as one batch."""
