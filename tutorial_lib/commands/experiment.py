@@ -44,6 +44,7 @@ ABLATIONS = {
     "patience": "how soon a follower gives up",
     "geometry": "the true geometry in place of the networks, for those that drive",
     "rules": "the agent with rules of the paper that it has not",
+    "rl": "the paper's two baselines that learn by reinforcement",
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
     "carried": "lives in which somebody carries the robot elsewhere, twice",
