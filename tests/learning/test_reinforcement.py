@@ -259,7 +259,7 @@ def test_the_command_trains_a_policy_that_runs_without_the_extra(
     assert [row["steps"] for row in card.recipe["curve"]] == [24, 48, 72, 72]
     last = card.recipe["curve"][-1]
     mean = sum(last[f"success_{level}"] for level in DIFFICULTIES) / 3
-    assert card.validation == {**last, "validation": pytest.approx(1 - mean)}
+    assert card.validation == {**last, "validation": pytest.approx(1 - mean, abs=1e-4)}
     found = Unseen(TINY, pairs).measured(network, stops_itself=False)
     assert found.keys() == {f"{k}_{d}" for k in ("success", "spl") for d in DIFFICULTIES}
     assert -6 < network.choose.bias[STOP] < 0

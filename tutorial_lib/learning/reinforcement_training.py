@@ -14,7 +14,6 @@ import torch
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.imitation import ImitationAgent
 from tutorial_lib.environments import in_lock_step
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import (
@@ -23,7 +22,7 @@ from tutorial_lib.exploration.episodes import (
     draw_episodes,
     exploration_world,
 )
-from tutorial_lib.exploration.task import ExplorationTask, explore
+from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.reinforcement_environment import PolicyEnvironments
 from tutorial_lib.learning.reinforcement_network import (
@@ -197,7 +196,10 @@ class Unseen:
         rng = np.random.default_rng([self._seed, 1])
         task = ExplorationTask(self._scenes, self._episodes, rng, stops_itself=stops_itself)
         policy = LearnedReinforcement(network, self._pairs, np.random.default_rng(self._seed))
-        explore(task, ImitationAgent(policy))
+        state = policy.start(task.goals())
+        while not task.done.all():
+            actions, state = policy.act(task.observe(), state)
+            task.step(actions)
         levels = np.array(self._episodes.difficulty)
         return {
             f"{name}_{level}": getattr(task, name)[levels == level].mean()
@@ -257,7 +259,7 @@ def train_reinforcement(
 def validation_of(row: dict[str, float]) -> dict[str, float]:
     """What a card says of the last measurement; "validation" is the share that failed."""
     success = [row[f"success_{level}"] for level in DIFFICULTIES]
-    return {"validation": 1 - sum(success) / len(success)} | row
+    return {"validation": round(1 - sum(success) / len(success), 4)} | row
 
 
 def _learner(ppo: Any, envs: Any, recipe: ReinforcementRecipe, rate: Any) -> Any:  # noqa: ANN401

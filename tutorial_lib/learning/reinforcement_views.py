@@ -1,7 +1,7 @@
 """What policies see that learn by reinforcement: the goal compared with what is around, and a map.
 
-Pictures go through the multi-task network of Neural Topological SLAM, which stays as it is; so do
-those of the policy that imitates, in the beginning.
+Pictures go through the multi-task network of Neural Topological SLAM, which stays as it is: a
+policy learns where to drive, not to see.
 """
 
 from __future__ import annotations
