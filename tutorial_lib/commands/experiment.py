@@ -42,6 +42,7 @@ ABLATIONS = {
     "localization": "the Bayes filter by itself",
     "geometry": "the true geometry in place of the networks, for those that drive",
     "rules": "the agent with rules of the paper that it has not",
+    "rl": "the paper's two baselines that learn by reinforcement",
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
     "car": "the body of a car, which cannot turn in place",

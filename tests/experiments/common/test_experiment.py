@@ -166,6 +166,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_figs geometry",
         "nts_second_visit geometry",
         "nts_table1 rules",
+        "nts_table2 rl",
         "nts_fig8 exact",
         "ltvn_lifelong long",
         "ltvn_lifelong parts",

@@ -102,6 +102,7 @@ EXPERIMENTS = {
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
     "nts_table1_car": "experiment nts_table1 --body car",
     "nts_table1_rules": "experiment nts_table1 --ablation rules",
+    "nts_table2_rl": "experiment nts_table2 --ablation rl",
     "race": "experiment race",
     **{f"race_{name}": f"experiment race --ablation {name}" for name in RACES},
 }
