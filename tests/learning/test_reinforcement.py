@@ -13,7 +13,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS
 from tutorial_lib.exploration.episodes import DIFFICULTIES, draw_episodes, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
-from tutorial_lib.interfaces import RecurrentPolicy
+from tutorial_lib.interfaces import ExplorerAgent
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.reinforcement_environment import PolicyEnvironments
 from tutorial_lib.learning.reinforcement_network import (
@@ -150,22 +150,25 @@ def test_actions_are_drawn_with_their_probabilities(scene, pairs):
         network.choose.weight.zero_()
         network.choose.bias.copy_(torch.tensor([0.1, 0.6, 0.3, 1e-12]).log())
     task = task_of(scene, 40)
-    policy = LearnedReinforcement(network, pairs, np.random.default_rng(2))
-    assert isinstance(policy, RecurrentPolicy)
-    state, drawn = policy.start(task.goals()), []
-    for _ in range(25):
-        actions, state = policy.act(task.observe(), state)
-        drawn.append(actions)
-    shares = np.bincount(np.concatenate(drawn), minlength=4) / 1000
+    agent = LearnedReinforcement(network, pairs, np.random.default_rng(2))
+    assert isinstance(agent, ExplorerAgent)
+    agent.start(task.goals())
+    running, drawn = np.arange(40) < 30, []
+    for _ in range(30):
+        drawn.append(agent.act(task.observe(), running))
+    assert not np.array(drawn)[:, 30:].any()  # those whose episodes are over stop
+    shares = np.bincount(np.array(drawn)[:, :30].ravel(), minlength=4) / 900
     assert shares == pytest.approx([0.1, 0.6, 0.3, 0.0], abs=0.05)
     again = LearnedReinforcement(network, pairs, np.random.default_rng(2))
-    assert (again.act(task.observe(), again.start(task.goals()))[0] == drawn[0]).all()
+    again.start(task.goals())
+    assert (again.act(task.observe(), running) == drawn[0]).all()
+    assert not again.act(task.observe(), np.zeros(40, bool)).any()
 
 
 def test_robots_without_depth_are_refused(scene, pairs):
-    policy = LearnedReinforcement(untrained(maps=False), pairs, np.random.default_rng(0))
+    agent = LearnedReinforcement(untrained(maps=False), pairs, np.random.default_rng(0))
     with pytest.raises(InputError, match="give the robot a depth camera"):
-        policy.start(task_of(scene, sensor="rgb").goals())
+        agent.start(task_of(scene, sensor="rgb").goals())
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from tutorial_lib.exploration.episodes import (
     draw_episodes,
     exploration_world,
 )
-from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.exploration.task import ExplorationTask, explore
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.reinforcement_environment import PolicyEnvironments
 from tutorial_lib.learning.reinforcement_network import (
@@ -195,11 +195,7 @@ class Unseen:
         """Success and SPL of a policy, by difficulty; see `ExplorationTask` for `stops_itself`."""
         rng = np.random.default_rng([self._seed, 1])
         task = ExplorationTask(self._scenes, self._episodes, rng, stops_itself=stops_itself)
-        policy = LearnedReinforcement(network, self._pairs, np.random.default_rng(self._seed))
-        state = policy.start(task.goals())
-        while not task.done.all():
-            actions, state = policy.act(task.observe(), state)
-            task.step(actions)
+        explore(task, LearnedReinforcement(network, self._pairs, np.random.default_rng(self._seed)))
         levels = np.array(self._episodes.difficulty)
         return {
             f"{name}_{level}": getattr(task, name)[levels == level].mean()

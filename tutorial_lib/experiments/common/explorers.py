@@ -117,7 +117,7 @@ def make_explorer(
         return ImitationAgent(shipped("il", sensor))
     if name in BY_REINFORCEMENT:
         network, pairs = shipped(name, sensor)
-        return ImitationAgent(LearnedReinforcement(network, pairs, rng))
+        return LearnedReinforcement(network, pairs, rng)
     model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", sensor)
     if name == "random":
         return RandomWalkAgent(model, rng)
