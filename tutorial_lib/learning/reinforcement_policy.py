@@ -52,8 +52,8 @@ class LearnedReinforcement:
         going = np.flatnonzero(flags("running", running, (len(observations),)))
         drawn, actions = self._rng.random(len(observations)), np.full(len(observations), STOP)
         if len(going):
-            senses = (observations.image, depth, observations.odometry)
-            seen = self._views.see(going, *(sense[going] for sense in senses))
+            image, odometry = observations.image[going], observations.odometry[going]
+            seen = self._views.see(going, image, depth[going], odometry)
             logits = self._network({name: torch.from_numpy(part) for name, part in seen.items()})
             chances = logits.softmax(dim=1).numpy().cumsum(axis=1)
             actions[going] = (drawn[going, None] * chances[:, -1:] >= chances).sum(axis=1)
