@@ -1070,7 +1070,7 @@ words = f"the office: {office.far_and_occluded.sum():,} far, occluded pairs, and
 table(headings, lines, best, words)
 
 # %% [markdown]
-# The second network is sure of far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs about as well. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
+# The second network is sure of far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs a little worse. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
 #
 # So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs in your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count arrivals.
 

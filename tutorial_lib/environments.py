@@ -11,6 +11,7 @@ Importing this module registers them; gymnasium does it itself for a name with t
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -103,27 +104,45 @@ def for_baselines(many: Any, rows: int = 4, columns: int = 32) -> Any:  # noqa: 
     """
     with_methods("many", many, "restart", "step", "reset")
     cut = _Cut(_images_of("many", many.single_observation_space), rows, columns)
+    return in_lock_step(many, cut.space, cut.flat)
+
+
+def in_lock_step(
+    many: Any,  # noqa: ANN401
+    space: spaces.Space,
+    shown: Callable[[dict[str, NDArray]], dict[str, NDArray]],
+) -> Any:  # noqa: ANN401
+    """Many episodes as Stable-Baselines3 has them, see `for_baselines`.
+
+    Args:
+        many: has `num_envs`, `single_action_space`, `reset`, `step`, `restart` and `close`.
+        space: of what is shown of one robot.
+        shown: what is shown of what all observe.
+
+    Raises:
+        ImportError: without Stable-Baselines3.
+    """
     from stable_baselines3.common.vec_env import VecEnv
 
     class LockStep(VecEnv):
         """The environments behind the interface of Stable-Baselines3."""
 
         def __init__(self) -> None:
-            super().__init__(many.num_envs, cut.space, many.single_action_space)
+            super().__init__(many.num_envs, space, many.single_action_space)
             self._returns = np.zeros(many.num_envs)
 
         def reset(self) -> dict[str, NDArray]:
             seen, _ = many.reset(seed=self._seeds[0])
             self._reset_seeds()
             self._returns[:] = 0.0
-            return cut.flat(seen)
+            return shown(seen)
 
         def step_async(self, actions: NDArray) -> None:
             self._actions = actions
 
         def step_wait(self) -> tuple[dict[str, NDArray], NDArray, NDArray, list[dict[str, Any]]]:
             seen, rewards, ended, truncated, info = many.step(self._actions)
-            over, flat = ended | truncated, cut.flat(seen)
+            over, flat = ended | truncated, shown(seen)
             self._returns += rewards
             infos: list[dict[str, Any]] = [{} for _ in over]
             for robot in np.flatnonzero(over):
@@ -131,11 +150,12 @@ def for_baselines(many: Any, rows: int = 4, columns: int = 32) -> Any:  # noqa: 
                     "terminal_observation": {name: rows[robot] for name, rows in flat.items()},
                     "TimeLimit.truncated": bool(truncated[robot]),
                     "is_success": bool(info["success"][robot]),
+                    "spl": float(info["spl"][robot]),
                     "episode": {"r": self._returns[robot], "l": int(info["steps"][robot])},
                 }
             if over.any():
                 self._returns[over] = 0.0
-                flat = cut.flat(many.restart(np.flatnonzero(over)))
+                flat = shown(many.restart(np.flatnonzero(over)))
             return flat, rewards, over, infos
 
         def close(self) -> None:

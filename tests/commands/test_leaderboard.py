@@ -2,6 +2,7 @@
 
 import json
 
+import cv2
 import numpy as np
 import pytest
 
@@ -11,6 +12,8 @@ from tutorial_lib.experiments import leaderboard
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.own import load_own, or_fault
 from tutorial_lib.experiments.common.report import Fault
+from tutorial_lib.experiments.demos.recorder import FILM_RATE
+from tutorial_lib.experiments.failures import Trip
 from tutorial_lib.experiments.leaderboard import Contest, read_board
 from tutorial_lib.experiments.meng2020.table1 import Settings
 from tutorial_lib.world.simulation import checked_actions
@@ -49,6 +52,18 @@ FAULTY = {
 """What is in the file, and what is said of it."""
 
 
+TRIPS = [
+    Trip(
+        "apartment/10000/standard",
+        np.array([4.0, 4.0, 0.0]),
+        np.array([[2.0, 2.0, 0.0], [2.5, 2.0, 0.0], [2.0 + metres, 2.0, 0.1]]),
+        seconds=1.0,
+        panorama=True,
+    )
+    for metres in (2.0, 1.0, 1.5)
+]
+
+
 def row(name, success, low=None, high=None):
     shares = {"success": success, "low": low, "high": high}
     return {"controller": name, "condition": "clean", **shares}
@@ -78,6 +93,7 @@ def board(tmp_path, monkeypatch):
     contest = Contest(
         *(entry, "controllers", "controller", ("condition",)),
         *(("success", "low", "high"), ("k5", "random")),
+        lambda world, options, settings: iter(TRIPS),
     )
     monkeypatch.setitem(leaderboard.SEAMS, "controller", contest)
     monkeypatch.setitem(leaderboard.CONTESTS, "fake", contest)
@@ -123,7 +139,10 @@ def test_references_run_once_and_a_second_class_costs_its_own_run(board, capsys,
         "  1  0.900  k5",
         "  2  0.500  own.py:Mine  <- you",
         "  3  0.100  random",
+        "worst failure: 2.2 m from its goal in apartment/10000/standard, see leaderboard.webm",
     ]
+    film = cv2.VideoCapture("leaderboard.webm")
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == len(TRIPS[0].poses) + round(2 * FILM_RATE)
     assert err.count("fake: k5, random") == 1
     monkeypatch.setattr(Contest, "refer", None)  # is not called
     code, entries = board(GOOD.replace("0.5", "0.95"))

@@ -164,6 +164,7 @@ WITHOUT = {
     "FlatViews.observation": "gymnasium gives it what the environment observed",
     "OneImage.observation": "as FlatViews.observation",
     "for_baselines": "needs an extra; tests/test_environments.py gives it wrong arguments",
+    "in_lock_step": "as for_baselines",
     "progress": "shows how far `for_each` is",
     "lines_of_progress": "as progress",
     "resumable": "of a folder that an experiment names",

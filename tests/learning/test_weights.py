@@ -21,6 +21,7 @@ from tutorial_lib.learning.exploration_recipes import NTS
 from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS
 from tutorial_lib.learning.imitation_recipes import IMITATION
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
+from tutorial_lib.learning.reinforcement_training import REINFORCEMENT
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.learning.weights import (
     FOLDER,
@@ -392,7 +393,11 @@ def test_shipped_weights_were_trained_within_half_an_hour(name):
 
 @pytest.mark.parametrize(
     "recipe",
-    [*recipes.WAYPOINT.values(), *NTS.values(), *IMITATION.values(), *GOAL_MAPS.values()],
+    [
+        *recipes.WAYPOINT.values(),
+        *NTS.values(),
+        *(*IMITATION.values(), *GOAL_MAPS.values(), *REINFORCEMENT.values()),
+    ],
     ids=lambda recipe: recipe.name,
 )
 def test_shipped_weights_are_those_of_their_recipe(recipe):

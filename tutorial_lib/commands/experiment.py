@@ -42,12 +42,14 @@ ABLATIONS = {
     "localization": "the Bayes filter by itself",
     "geometry": "the true geometry in place of the networks, for those that drive",
     "rules": "the agent with rules of the paper that it has not",
+    "rl": "the paper's two baselines that learn by reinforcement",
     "exact": "motion and odometry without noise",
     "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
+    "car": "the body of a car, which cannot turn in place",
     "carried": "lives in which somebody carries the robot elsewhere, twice",
     "changed": "lives in which a door closes, another opens, and furniture moves",
     "ingredients": "the combined agent without one of its parts each",
-    "toured": "robots that were shown the building first, beside the combined agent",
+    "toured": "robots that were shown the building first, by an oracle or while exploring",
     "parts": "the agent without one of its parts at a time",
 }
 """What else an experiment compares, by name: these run in its place."""

@@ -18,6 +18,8 @@ from tutorial_lib.checks.framework import guard
 from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.errors import InputError, one_line, words_of
 from tutorial_lib.experiments.common.experiment import library_hash
+from tutorial_lib.experiments.demos.recorder import FILM_RATE
+from tutorial_lib.experiments.failures import Trip, film_of
 from tutorial_lib.experiments.leaderboard import (
     CONTESTS,
     LONGEST,
@@ -32,6 +34,7 @@ from tutorial_lib.experiments.leaderboard import (
 from tutorial_lib.files import check_writable, write_files
 from tutorial_lib.reading.limits import MAX_TEXT
 from tutorial_lib.reading.regular import read_bytes
+from tutorial_lib.viz.figures.film import write_film
 
 FOLDER = Path(__file__).resolve().parents[1] / "templates"
 FIRST, QUICK, WHOLE = 120.0, 1_200.0, 14_400.0
@@ -54,6 +57,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="fewer worlds and episodes, same code")
     parser.add_argument("--board", type=Path, default=Path("leaderboard.json"), metavar="FILE")
     parser.add_argument("--page", type=Path, default=Path("leaderboard.html"), metavar="FILE")
+    film = Path("leaderboard.webm")
+    parser.add_argument(
+        "--film", type=Path, default=film, metavar="FILE", help="of its worst failure"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -63,18 +70,22 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.page.resolve() == options.board.resolve():
         raise InputError(f"--page: {options.page} is the board itself; give another file")
-    for path in (options.board, options.page):
+    for path in (options.board, options.page, options.film):
         check_writable(path)
     board = _add(options, [entry for path in options.merge for entry in read_board(path)])
     if not options.agent:
         print(f"{len(board)} entries in {options.board}, shown by {options.page}")
         return 0
-    entry = _entered(options, board)
+    entry, trip = _entered(options, board)
     for (seam, name, *_), entries in ranked(_add(options, [entry])).items():
         if entry in entries:
             print(f"{seam}: {name}, {CONTESTS[name].score[0]}")
             for place, one in enumerate(entries, 1):
                 print(f"{place:3}  {one.score:.3f}  {one.name}{'  <- you' if one == entry else ''}")
+    if trip is not None:
+        name = entry.name.rpartition(":")[2]
+        write_film(options.film, film_of(trip, name), FILM_RATE)
+        print(f"worst failure: {trip.gap:.1f} m from its goal in {trip.world}, see {options.film}")
     if entry.fault:
         print(f"error: {entry.name}: {entry.fault}", file=sys.stderr)
     return WRONG_INPUT if entry.fault else 0
@@ -89,8 +100,12 @@ def _add(options: argparse.Namespace, entries: Iterable[Entry]) -> list[Entry]:
     return board
 
 
-def _entered(options: argparse.Namespace, board: list[Entry]) -> Entry:
-    """Judge a class, after the references that are not on the board; or say how it fails."""
+def _entered(options: argparse.Namespace, board: list[Entry]) -> tuple[Entry, Trip | None]:
+    """Judge a class, after the references that are not on the board; or say how it fails.
+
+    Returns:
+        The entry, and its worst failure, if there is one.
+    """
     where, quick = options.agent, options.quick
     file, _, name = where.rpartition(":")
     try:
@@ -112,7 +127,9 @@ def _entered(options: argparse.Namespace, board: list[Entry]) -> Entry:
         fault = one_line(found["fault"].removeprefix(f"--agent {where}: "))
         found = found | {"fault": fault, "worlds": (), "rows": []}
     found["worlds"] = tuple(found["worlds"])
-    return Entry(name=one_line(f"{Path(file).name}:{name}", LONGEST), sha=sha, quick=quick, **found)
+    failure, named = found.pop("failure", None), one_line(f"{Path(file).name}:{name}", LONGEST)
+    entry = Entry(name=named, sha=sha, quick=quick, **found)
+    return entry, None if failure is None else Trip.read(failure)
 
 
 def _say(words: str) -> None:

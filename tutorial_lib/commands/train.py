@@ -18,6 +18,7 @@ from tutorial_lib.learning import (
     relative_recipes,
 )
 from tutorial_lib.learning.panorama_encoder import SENSORS
+from tutorial_lib.learning.reinforcement_training import REINFORCEMENT, train_reinforcement
 from tutorial_lib.learning.weights import save_network
 
 NETWORKS = {
@@ -29,6 +30,8 @@ NETWORKS = {
 EXPLORATION = {
     "nts": "the functions of Neural Topological SLAM",
     "il": "a recurrent policy that imitates shortest paths; needs the weights of nts",
+    "target_rl": "a policy on pictures that learns by reinforcement; needs the extra rl",
+    "map_rl": "the same on pictures and a metric map",
     "ans_like": "a choice among frontiers of a metric map; needs the weights of nts",
 }
 """Networks of exploration, by name; their recipes depend on the sensor."""
@@ -44,7 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         add_scheduler(command)
     for name, words in EXPLORATION.items():
         command = names.add_parser(name, help=words)
-        command.add_argument("--sensor", choices=SENSORS, required=True)
+        sensors = ("rgbd",) if name in REINFORCEMENT else SENSORS
+        command.add_argument("--sensor", choices=sensors, required=True)
         add_scheduler(command)
         if name == "nts":
             kinds = command.add_mutually_exclusive_group()
@@ -85,6 +89,8 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
         return imitation_recipes.IMITATION[options.sensor], imitation_recipes.train_imitation
     if options.name == "ans_like":
         return goal_map_recipes.GOAL_MAPS[options.sensor], goal_map_recipes.train_goal_map
+    if options.name in REINFORCEMENT:
+        return REINFORCEMENT[options.name], train_reinforcement
     known = NETWORKS[options.name]
     if options.k not in known:
         raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from statistics import fmean
@@ -16,6 +16,13 @@ from tutorial_lib.errors import InputError, one_line
 from tutorial_lib.experiments.common.experiment import Experiment, library_hash
 from tutorial_lib.experiments.common.own import load_own
 from tutorial_lib.experiments.common.report import Fault, Options, Rows, finite
+from tutorial_lib.experiments.failures import (
+    Trip,
+    of_exploring,
+    of_local_control,
+    of_navigation,
+    of_visits,
+)
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.race import ten_visits
@@ -38,6 +45,7 @@ class Contest:
         cases: the columns that tell the rows of one name apart.
         score: the column that counts, as mean over the cases, and those of its interval.
         references: names of the rows that stand beside one's own.
+        failures: gives trips in one world that missed their goals; also gets options and settings.
         options: of every run.
         only: what the rows that count have in some columns.
     """
@@ -48,6 +56,7 @@ class Contest:
     cases: tuple[str, ...]
     score: tuple[str, str, str]
     references: tuple[str, ...]
+    failures: Callable[[int, Options, Any], Iterator[Trip]]
     options: Options = field(default_factory=Options)
     only: Mapping[str, str] = field(default_factory=dict)
 
@@ -88,11 +97,13 @@ LOCAL = Contest(
     replace(table1.EXPERIMENT, quick_worlds=table1.WORLDS[:4]),
     *("controllers", "controller", ("condition",), SUCCESS),
     ("oracle", "k5", "direct", "random"),
+    of_local_control,
 )
 NAVIGATION = Contest(
     replace(table2.EXPERIMENT, canary=table2.Settings(places=3, trials_of_part=2)),
     *("methods", "method", ("world",), SUCCESS),
     ("oracle", "meng", "sptm", "random"),
+    of_navigation,
     Options(drives=table2.QUICK_DRIVES),  # with all of them nearly every agent arrives
 )
 EXPLORING = Contest(
@@ -104,11 +115,13 @@ EXPLORING = Contest(
     ),
     *("rgbd", "agent", ("signs", "difficulty"), SPL),
     ("oracle", "nts", "fbe", "random"),
+    of_exploring,
 )
 VISITS = Contest(
     ten_visits.EXPERIMENT,
     *("agents", "agent", ("visits",), SUCCESS),
     ("combined", "nts_forgets", "random_forgets", "oracle"),
+    of_visits,
     only={"visits": "1-10"},
 )
 CONTESTS = {one.name: one for one in (LOCAL, NAVIGATION, EXPLORING, VISITS)}
@@ -128,6 +141,8 @@ SEAMS = {
 def judged(where: str, *, quick: bool, first: bool) -> dict[str, Any]:
     """What a class is, what judges it, and the rows of a run of it alone; fields of an `Entry`.
 
+    Beside these a "failure", the worst one as `Trip.stored`, except of the first try.
+
     Args:
         where: "FILE.py:CLASS".
         quick: fewer worlds and episodes.
@@ -143,12 +158,19 @@ def judged(where: str, *, quick: bool, first: bool) -> dict[str, Any]:
     settings = run.canary if first else run.quick_settings if quick else run.settings
     worlds = (run.quick_worlds if quick else run.worlds)[: 1 if first else None]
     options = replace(contest.options, quick=quick, worlds=worlds, agent=where)
+    alone = replace(settings, **{contest.names: ()})
     try:
-        rows, notes = run.run(options, replace(settings, **{contest.names: ()}))
+        rows, notes = run.run(options, alone)
     except InputError as error:
         return {**found, "fault": str(error)}
-    faults = [{"fault": str(note)} for note in notes if isinstance(note, Fault)]
-    return {**found, **(faults or [{"worlds": worlds, "rows": contest.kept(rows)}])[0]}
+    for fault in (note for note in notes if isinstance(note, Fault)):
+        return {**found, "fault": str(fault)}
+    found |= {"worlds": worlds, "rows": contest.kept(rows)}
+    if first:
+        return found
+    trips = contest.failures(worlds[0], options, alone)
+    worst = max(trips, key=lambda trip: trip.gap, default=None)
+    return found if worst is None else {**found, "failure": worst.stored}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -34,6 +34,9 @@ class ManyImageGoalNavigations(VectorEnv):
 
     In the step after the end of an episode its robot begins another one, whatever its action
     (Gymnasium's mode "next step"). Its `info` has arrays (N,) of what the other's has.
+
+    Attributes:
+        stops_itself: see `ExplorationTask`; after a change, from the next `reset` on.
     """
 
     metadata: ClassVar[dict[str, Any]] = {  # pyrefly: ignore[bad-override]
@@ -51,6 +54,7 @@ class ManyImageGoalNavigations(VectorEnv):
         sensor: str = "rgbd",
         noise: bool = True,
         reward: str = "spl",
+        stops_itself: bool = False,
     ) -> None:
         """Choose what `num_envs` episodes are drawn from; see `ImageGoalNavigation`."""
         check_known("sensor", sensor, SENSORS)
@@ -58,6 +62,7 @@ class ManyImageGoalNavigations(VectorEnv):
         self._drawn = DrawnEpisodes(worlds, plan, signs, difficulty)
         self._rewards = Rewards(reward, self._drawn.sources)
         self._sensor, self._noise = sensor, flag("noise", noise)
+        self.stops_itself = flag("stops_itself", stops_itself)
         self.single_observation_space = observations(ExplorationTask.camera, sensor)
         self.single_action_space = spaces.Discrete(len(ACTIONS))
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -83,7 +88,12 @@ class ManyImageGoalNavigations(VectorEnv):
         self._scenes: dict[str, Scene] = {}
         episodes, scenes = self._next(self.num_envs)
         self._task = ExplorationTask(
-            scenes, episodes, self.np_random, sensor=self._sensor, noise=self._noise
+            scenes,
+            episodes,
+            self.np_random,
+            sensor=self._sensor,
+            noise=self._noise,
+            stops_itself=self.stops_itself,
         )
         self._rewards.begin(self._task)
         self._over = np.zeros(self.num_envs, bool)

@@ -15,7 +15,7 @@ from tutorial_lib.learning.imitation_network import MEMORY, ImitationNetwork
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PANORAMA, PanoramaNetwork
 from tutorial_lib.learning.views import check_camera
-from tutorial_lib.learning.weights import load_card, load_network
+from tutorial_lib.learning.weights import Network, load_card, load_network
 from tutorial_lib.observation import Observation
 from tutorial_lib.world.noise import STOP
 
@@ -94,7 +94,7 @@ class LearnedFrontierScorer:
             InputError: when weights are missing, or belong to others of the multi-task network.
         """
         if isinstance(network, str):
-            network, pairs = _shipped(network)
+            network, pairs = with_pairs(network, GoalMapNetwork)
         if pairs is None:
             raise InputError("frontiers: give the multi-task network that made the features, too")
         self.network, self.pairs = network.eval(), pairs.eval()
@@ -135,10 +135,18 @@ class LearnedFrontierScorer:
         return -(frontiers[:, 2] + MAX_DISTANCE * (1.0 - scores[robots, place].astype(float)))
 
 
-def _shipped(name: str) -> tuple[GoalMapNetwork, PanoramaNetwork]:
-    """A learned global goal, and the multi-task network that it was trained with."""
-    card, network = load_card(name), load_network(name, wanted=GoalMapNetwork)
-    seeing = f"nts_{network.architecture.sensor}"
+def with_pairs(name: str, wanted: type[Network]) -> tuple[Network, PanoramaNetwork]:
+    """A shipped network, and the multi-task network that made the features it reads.
+
+    Args:
+        name: of its weights, such as "map_rl_rgbd".
+        wanted: the class that it must have.
+
+    Raises:
+        InputError: when weights are missing, or belong to others of the multi-task network.
+    """
+    card, network = load_card(name), load_network(name, wanted=wanted)
+    seeing = f"nts_{card.architecture.sensor}"
     if card.recipe.get("start") != load_card(seeing).sha256:
         raise InputError(
             f"{name}: was trained on other weights than {seeing} has now; train it again: "

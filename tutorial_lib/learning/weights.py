@@ -21,6 +21,10 @@ from tutorial_lib.learning.panorama_network import (
     PanoramaArchitecture,
     PanoramaNetwork,
 )
+from tutorial_lib.learning.reinforcement_network import (
+    ReinforcementArchitecture,
+    ReinforcementNetwork,
+)
 from tutorial_lib.learning.threads import settle_threads
 from tutorial_lib.learning.views import LaserView
 from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
@@ -36,6 +40,7 @@ KINDS: dict[str, tuple[type, type[nn.Module]]] = {
     "panorama": (PanoramaArchitecture, PanoramaNetwork),
     "imitation": (ImitationArchitecture, ImitationNetwork),
     "goal_map": (GoalMapArchitecture, GoalMapNetwork),
+    "reinforcement": (ReinforcementArchitecture, ReinforcementNetwork),
 }
 """Architecture and network by the kind that a card's architecture names; "local" if it has none."""
 Network = TypeVar("Network", bound=nn.Module)

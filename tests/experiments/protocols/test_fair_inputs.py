@@ -372,14 +372,21 @@ def explored_world():
     return exploration.make_world(10_100, "wayfinding", 1, 0)
 
 
-@pytest.mark.parametrize("name", [one for one in explorers.AGENTS["rgbd"] if one != "oracle"])
+@pytest.mark.parametrize(
+    "name",
+    [one for one in (*explorers.AGENTS["rgbd"], *explorers.BY_REINFORCEMENT) if one != "oracle"],
+)
 def test_no_explorer_is_given_or_keeps_what_leads_to_a_pose_or_to_the_world(
     name, explored_world, monkeypatch
 ):
-    models = {}
-    monkeypatch.setattr(
-        explorers, "shipped", lambda kind, sensor: models.setdefault(kind, Uninformed())
-    )
+    models, shipped = {}, explorers.shipped
+
+    def uninformed(kind, sensor):
+        if kind in explorers.BY_REINFORCEMENT:  # a network, and the one that it reads
+            return shipped(kind, sensor)
+        return models.setdefault(kind, Uninformed())
+
+    monkeypatch.setattr(explorers, "shipped", uninformed)
     task = ExplorationTask(
         explored_world.scenes, explored_world.episodes, np.random.default_rng(1), limit=40
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.common.report import CAR, Options
 from tutorial_lib.experiments.protocols.visits import shown
 from tutorial_lib.experiments.race import runners, ten_visits
 from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, TOURED
@@ -119,7 +119,22 @@ def test_a_guide_shows_a_building_for_as_long_as_said():
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", ["meng_toured", "sptm_toured", "ltvn_toured"])
+def test_a_robot_that_was_shown_a_building_and_explores_finds_what_its_map_has_not(monkeypatch):
+    monkeypatch.setattr(runners, "SHOWN", 40)  # next to nothing
+    rows, _ = run(Options(worlds=(WORLD,)), Settings(("meng_toured", "meng_explores"), 3, 2))
+    plans, explores = (row["success"] for row in rows if row["visits"] == "1-10")
+    assert explores > plans
+
+
+def test_a_car_lives_too():
+    rows, _ = run(Options(worlds=(WORLD,)), Settings(("oracle",), lives=2, visits=2, body=CAR))
+    (row,) = [row for row in rows if row["visits"] == "1-10"]
+    assert row["success"] == 1.0
+    assert row["drift"] > 0.0
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["meng_toured", "sptm_toured", "ltvn_toured", "meng_explored"])
 def test_robots_that_were_shown_a_building_know_it(name, monkeypatch):
     monkeypatch.setattr(runners, "SHOWN", 200)
     rows, _ = run(Options(worlds=(WORLD,)), Settings((name,), lives=2, visits=2))

@@ -19,6 +19,7 @@ LEVELS = ("easy", "medium", "hard")
 SIGNS = ("plain", "wayfinding")
 SPL = {"nts": 0.6, "fbe": 0.5, "ans_like": 0.55, "nts_no_score": 0.4, "nts_blind": 0.45}
 SPL |= {"il": 0.1, "random": 0.7, "oracle": 0.95}
+RL_SPL = {"target_rl": 0.3, "map_rl": 0.35}
 GAIN = {"gain": 0.2, "gain_low": 0.1, "gain_high": 0.3}
 LESS = {"easy": 0.0, "medium": 0.02, "hard": 0.1}
 OTHER_GAIN = {"gain": 0.4, "gain_low": 0.3, "gain_high": 0.5}
@@ -41,30 +42,46 @@ def chosen(score, sensor, signs, difficulty, pairs):
 CHOSEN = [chosen(*key) for key in product(SCORES, ("rgbd",), SIGNS, LEVELS, PAIRS)] + [
     chosen("semantic", "rgb", *key) for key in product(SIGNS, LEVELS, PAIRS)
 ]
-TABLE = [
-    {
-        "agent": agent,
-        "sensor": sensor,
-        "signs": signs,
-        "difficulty": level,
-        "episodes": 300,
-        "success": spl + 0.05 - LESS[level],
-        "spl": spl - LESS[level] - 0.03 * (sensor == "rgb") - 0.05 * (signs == "wayfinding"),
-        "success_125": 0.1 - LESS[level] / 2,
-        "success_250": 0.2 - LESS[level] / 2,
-        "paper_success": 0.43 - LESS[level] if agent == "nts" else None,
-        "paper_spl": 0.26 - LESS[level] if agent == "nts" else None,
-    }
-    for agent, spl in SPL.items()
-    for sensor in (("rgbd", "rgb") if agent == "nts" else ("rgbd",))
-    for signs in SIGNS
-    for level in LEVELS
-]
+
+
+def table(found):
+    """Made-up rows of Table 1, by the SPL of each agent."""
+    return [
+        {
+            "agent": agent,
+            "sensor": sensor,
+            "signs": signs,
+            "difficulty": level,
+            "episodes": 300,
+            "success": spl + 0.05 - LESS[level],
+            "spl": spl - LESS[level] - 0.03 * (sensor == "rgb") - 0.05 * (signs == "wayfinding"),
+            "success_125": 0.1 - LESS[level] / 2,
+            "success_250": 0.2 - LESS[level] / 2,
+        }
+        for agent, spl in found.items()
+        for sensor in (("rgbd", "rgb") if agent == "nts" else ("rgbd",))
+        for signs in SIGNS
+        for level in LEVELS
+    ]
+
+
+TABLE = table(SPL)
 
 
 def results(name, rows, notes=(), findings=()):
     worlds = tuple(range(14))
     return Results({name: Report(name, 0, worlds, False, 1.0, rows, tuple(notes), tuple(findings))})
+
+
+def both_tables(findings=()):
+    """The reports on Table 1, with those who learn by reinforcement in one of their own."""
+    found = results("nts_table1", TABLE, findings=findings).reports
+    learned = [
+        row | {"condition": condition, "spl": row["spl"] * share}
+        for row in table(RL_SPL)
+        for condition, share in (("standard", 1.0), ("no_stop", 0.0))
+    ]
+    return Results(found | results("nts_table2_rl", learned).reports)
 
 
 def text_of(title, found):
@@ -88,21 +105,36 @@ def test_choices_stand_beside_a_blind_score_and_another_sensor():
 
 
 def test_the_best_agent_is_bold_and_bounds_take_no_part():
-    _, *lines = cells(table_1(TABLE, "plain"))
+    _, *lines = cells(table_1(both_tables(), "plain"))
     assert [line[0] for line in lines[:2]] == ["NTS", "NTS, random scores"]
-    assert len(lines) == len(SPL) + 1 + 3  # those of reinforcement learning
-    later = [line for line in lines if line[2] == exploring.LATER]
-    target, with_map = exploring.RL.values()
-    assert [line[0] for line in later] == [target, with_map, target]
-    assert later[1][5] == "0.69 / 0.27, 0.22 / 0.07, 0.12 / 0.04"
+    assert len(lines) == len(SPL) + 1 + 2 + 1  # those of reinforcement learning, and one without
+    learned = [line for line in lines if line[0] in exploring.RL.values()]
+    assert [line[1:3] for line in learned] == [
+        ["with depth", "35.0% / 0.300"],
+        ["with depth", "40.0% / 0.350"],
+        ["without depth", exploring.NOT_HERE],
+    ]
+    assert learned[2][5] == "0.56 / 0.22, 0.17 / 0.06, 0.06 / 0.02"
     assert lines[0][2:5] == ["**65.0% / 0.600**", "**63.0% / 0.580**", "**55.0% / 0.500**"]
     walk = next(line for line in lines if line[0] == "random walk")
     assert walk[2] == "75.0% / 0.700"
-    assert lines[0][5] == "0.43 / 0.26, 0.41 / 0.24, 0.33 / 0.16"
+    assert lines[0][5] == "0.87 / 0.65, 0.58 / 0.38, 0.43 / 0.26"
     assert lines[-2][:3] == ["NTS", "without depth", "65.0% / 0.570"]
     _, mine, *_ = cells(in_time(TABLE, "plain"))
     spread = ["10.0% / 20.0% / 65.0%", "9.0% / 19.0% / 63.0%", "5.0% / 15.0% / 55.0%"]
     assert mine == ["NTS", *spread]
+
+
+def test_what_was_reached_on_the_way_ends_with_the_last_measurement():
+    curve = [
+        {"steps": 1_000 * number}
+        | {f"{part}success_{level}": number / 100 for part in ("training_", "") for level in LEVELS}
+        for number in range(1, 12)
+    ]
+    _, *lines = cells(exploring.learning({"map_rl": curve, "target_rl": curve[:4]}, count=4))
+    assert [line[1] for line in lines[:4]] == ["3,000", "6,000", "9,000", "11,000"]
+    assert lines[3] == ["metric map and RL", "11,000", *["11% / 11% / 11%"] * 2]
+    assert [line[1] for line in lines[4:]] == ["1,000", "2,000", "3,000", "4,000"]
 
 
 def test_every_section_of_table1_has_its_differences():
@@ -111,7 +143,7 @@ def test_every_section_of_table1_has_its_differences():
         Finding(f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}", number / 100, form=CHANGE)
         for number, (agent, signs, level) in enumerate(product(others, SIGNS, LEVELS))
     ]
-    text = text_of("Table 1: image-goal navigation", results("nts_table1", TABLE, findings=gaps))
+    text = text_of("Table 1: image-goal navigation", both_tables(gaps))
     assert "| nearest frontier | wayfinding | +0.030 | +0.040 | +0.050 |" in text
     assert "| NTS, scores blind to the goal | plain | +0.180 | +0.190 | +0.200 |" in text
     assert "300 episodes of each difficulty" in text
@@ -133,24 +165,30 @@ def test_cars_stand_beside_round_robots():
 
 
 def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
-    agents, conditions = ("nts", "fbe", "ans_like", "il"), ("standard", "no_stop", "no_noise")
-    rows = [
-        {"agent": agent, "signs": signs, "condition": condition, "difficulty": level}
-        | {"episodes": 300, "success": 0.5 + 0.01 * number if level == "overall" else 0.1}
-        for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
-        for level in (*LEVELS, "overall")
-    ]
-    gains = [
-        Finding(f"{agent}, {signs}: {condition} - standard", number / 100)
-        for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
-        if condition != "standard"
-    ]
-    text = text_of("Table 2: stopping and noise", results("nts_table2", rows, findings=gains))
+    conditions, reports = ("standard", "no_stop", "no_noise"), {}
+    agents = {"nts_table2": ("nts", "fbe", "ans_like", "il"), "nts_table2_rl": tuple(exploring.RL)}
+    for name, those in agents.items():
+        runs = list(enumerate(product(those, SIGNS, conditions)))
+        rows = [
+            {"agent": agent, "signs": signs, "condition": condition, "difficulty": level}
+            | {"episodes": 300, "success": 0.5 + 0.01 * number if level == "overall" else 0.1}
+            for number, (agent, signs, condition) in runs
+            for level in (*LEVELS, "overall")
+        ]
+        gains = [
+            Finding(f"{agent}, {signs}: {condition} - standard", number / 100)
+            for number, (agent, signs, condition) in runs
+            if condition != "standard"
+        ]
+        reports |= results(name, rows, findings=gains).reports
+    text = text_of("Table 2: stopping and noise", Results(reports))
     for line in (
         "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7.0 points | +8.0 points |",
         "| nearest frontier | the paper | 42% | 56% | 49% | +14.0 points | +7.0 points |",
         "| NTS | the paper | 63% | 75% | 64% | +12.0 points | +1.0 points |",
-        "| metric map and RL | Part of the course's last notebook |  |  |  |  |  |",
+        "| metric map and RL | the paper | 34% | 52% | 35% | +18.0 points | +1.0 points |",
+        "| metric map and RL | plain | 56.0% | 57.0% | 58.0% | +7.0 points | +8.0 points |",
+        "| target-driven RL | wayfinding | 53.0% | 54.0% | 55.0% | +4.0 points | +5.0 points |",
     ):
         assert line in text
     assert "300 episodes of each difficulty" in text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,13 @@ from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.interfaces import ExplorationModel, ExplorerAgent
 from tutorial_lib.learning.exploration_model import LearnedExploration
-from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer, LearnedImitation
+from tutorial_lib.learning.exploration_policies import (
+    LearnedFrontierScorer,
+    LearnedImitation,
+    with_pairs,
+)
+from tutorial_lib.learning.reinforcement_network import ReinforcementNetwork
+from tutorial_lib.learning.reinforcement_policy import LearnedReinforcement
 from tutorial_lib.learning.weights import FOLDER
 
 AGENTS = {
@@ -45,6 +51,8 @@ AS_IN_PAPER = (
 """The course's agent with one thing as the paper has it, and with all four: F_S that learnt from
 unconnected pairs only; F_L over all nodes; edges to known nodes by odometry; no node at a ghost
 where F_L has the robot in the old one."""
+BY_REINFORCEMENT = ("target_rl", "map_rl")
+"""The paper's baselines that learn by reinforcement: from pictures, and from a metric map too."""
 _FINE = {"directions": 24, "radius": 2.0}
 """Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
 _SETTINGS = {
@@ -73,8 +81,10 @@ _CLASSES: dict[str, Callable[[str], Any]] = {
     "nts_masked": LearnedExploration,
     "ans_like": LearnedFrontierScorer,
     "il": LearnedImitation,
+    **dict.fromkeys(BY_REINFORCEMENT, partial(with_pairs, wanted=ReinforcementNetwork)),
 }
-"""What puts the weights of each kind behind its interface, by their name."""
+"""What puts the weights of each kind behind its interface, by their name; those that draw their
+actions are only loaded, with the network that they read."""
 
 
 def make_explorer(
@@ -83,8 +93,8 @@ def make_explorer(
     """An agent for a task.
 
     Args:
-        name: one of `AGENTS` or `AS_IN_PAPER`; with `geometry` of `WITH_GEOMETRY` in place of the
-            first.
+        name: one of `AGENTS`, `BY_REINFORCEMENT` or `AS_IN_PAPER`; with `geometry` of
+            `WITH_GEOMETRY` in place of the first two.
         task: of which oracles see more than others.
         sensor: of its networks.
         rng: draws what is random in the agent.
@@ -93,7 +103,8 @@ def make_explorer(
     Raises:
         InputError: for an unknown name or sensor, and where weights are needed that are not there.
     """
-    known = (*(WITH_GEOMETRY if geometry else AGENTS["rgbd"]), *AS_IN_PAPER)
+    own = WITH_GEOMETRY if geometry else (*AGENTS["rgbd"], *BY_REINFORCEMENT)
+    known = (*own, *AS_IN_PAPER)
     if name not in known:
         raise InputError(f"agent: {name!r} is unknown here; use one of {', '.join(known)}")
     if sensor not in AGENTS:
@@ -104,6 +115,9 @@ def make_explorer(
         return NTSAgent(TrueGeometry(task, **_FINE), rng, _SETTINGS[name])
     if name == "il":
         return ImitationAgent(shipped("il", sensor))
+    if name in BY_REINFORCEMENT:
+        network, pairs = shipped(name, sensor)
+        return LearnedReinforcement(network, pairs, rng)
     model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", sensor)
     if name == "random":
         return RandomWalkAgent(model, rng)
@@ -144,7 +158,7 @@ def shipped(kind: str, sensor: str) -> Any:  # noqa: ANN401 - a model, a scorer 
     """A trained network.
 
     Args:
-        kind: "nts", "nts_blind", "nts_masked", "ans_like" or "il".
+        kind: "nts", "nts_blind", "nts_masked", "ans_like", "il", "target_rl" or "map_rl".
         sensor: "rgbd" or "rgb".
 
     Raises:

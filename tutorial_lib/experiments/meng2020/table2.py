@@ -137,20 +137,7 @@ def _together(
         settings: of the run.
         each: runs a method after the other, or on all cores.
     """
-    whole = make_building(
-        place,
-        options.seed,
-        settings.places if options.map is None else settings.places_on_map,
-        options.palette,
-        drifts=options.drifts,
-        family=options.family,
-        region=options.region,
-    )
-    seeds = [options.seed, place if isinstance(place, int) else 0, 1]
-    rng = np.random.default_rng(seeds)
-    count = settings.trials_of_part if options.drives else settings.trials
-    trials = chosen_trials(whole, count, rng, options.starts, options.goals)
-    building = part_of(whole, options.drives, options.seed)
+    building, whole, trials = task_of(place, options, settings)
     own = (CUSTOM,) if options.agent else ()  # a fault is said soon
     methods = (*own, *settings.methods)
     drives = TOUR if options.drives == CONTINUOUS else options.drives
@@ -171,6 +158,28 @@ def _together(
     fault = results.pop(CUSTOM) if isinstance(results.get(CUSTOM), Fault) else None
     part = whole, trials, options.drives, options.seed
     return InWorld(columns, results, fault, driven_trials(*part), passed_goals(*part))
+
+
+def task_of(
+    place: Any,  # noqa: ANN401
+    options: Options,
+    settings: Settings,
+) -> tuple[Building, Building, Trials]:
+    """One world: with the drives that agents learn, with all of them, and the trials."""
+    whole = make_building(
+        place,
+        options.seed,
+        settings.places if options.map is None else settings.places_on_map,
+        options.palette,
+        drifts=options.drifts,
+        family=options.family,
+        region=options.region,
+    )
+    seeds = [options.seed, place if isinstance(place, int) else 0, 1]
+    rng = np.random.default_rng(seeds)
+    count = settings.trials_of_part if options.drives else settings.trials
+    trials = chosen_trials(whole, count, rng, options.starts, options.goals)
+    return part_of(whole, options.drives, options.seed), whole, trials
 
 
 def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label: str) -> list[Any]:  # noqa: ANN401

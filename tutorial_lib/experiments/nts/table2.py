@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.explorers import check_shipped
+from tutorial_lib.experiments.common.explorers import BY_REINFORCEMENT, check_shipped
 from tutorial_lib.experiments.common.report import Finding, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
@@ -128,6 +128,16 @@ _GEOMETRY = Experiment(
     quick_settings=Settings(9, ("nts", "fbe"), geometry=True),
     accepts=frozenset({"palette"}),
 )
+_RL = Experiment(
+    "nts_table2_rl",
+    run,
+    WORLDS,
+    WORLDS[:6],
+    Settings(agents=BY_REINFORCEMENT),
+    quick_settings=Settings(9, BY_REINFORCEMENT),
+    canary=Settings(3, BY_REINFORCEMENT),
+    accepts=frozenset({"palette"}),
+)
 EXPERIMENT = Experiment(
     "nts_table2",
     run,
@@ -137,5 +147,5 @@ EXPERIMENT = Experiment(
     quick_settings=Settings(9, ("nts", "fbe")),
     canary=Settings(3),
     accepts=frozenset({"palette"}),
-    ablations={"geometry": _GEOMETRY},
+    ablations={"geometry": _GEOMETRY, "rl": _RL},
 )

@@ -77,8 +77,16 @@ def _corrected(maker: Maker) -> Maker:
     return lambda task, model, rng: ScanCorrected(maker(task, model, rng))
 
 
-def _toured(memory: Callable[[], MengAgent | SPTMAgent | LTVNAgent]) -> Maker:
-    """A robot that the oracle showed the building before its life, and that only plans."""
+def _shown(
+    memory: Callable[[], MengAgent | SPTMAgent | LTVNAgent], guide: str, *, explores: bool = False
+) -> Maker:
+    """A robot that made a map, before its life, of what a guide saw on the way to other goals.
+
+    Args:
+        memory: makes the agent that learns the map.
+        guide: of `RUNNERS`.
+        explores: where no path is probable enough; without, it only plans. Not for LTVN's.
+    """
 
     def make(
         task: ExplorationTask, model: ExplorationModel, rng: np.random.Generator
@@ -86,12 +94,14 @@ def _toured(memory: Callable[[], MengAgent | SPTMAgent | LTVNAgent]) -> Maker:
         ((name, scene),) = task.scenes.items()
 
         def guided(tour: ExplorationTask) -> SequentialExplorer:
-            return RUNNERS["oracle"](tour, model, rng)
+            return RUNNERS[guide](tour, model, rng)
 
         known = memory()
         deep = isinstance(known, LTVNAgent)
         known.learn(visit(shown(name, scene, guided, SHOWN, rng), 0, with_depth=deep))
-        return Forgetting(DiscreteLTVN(known) if deep else ReturningAgent(known))
+        if deep:
+            return Forgetting(DiscreteLTVN(known))
+        return Forgetting(ReturningAgent(known, NTSAgent(model, rng) if explores else None))
 
     return make
 
@@ -123,9 +133,13 @@ RUNNERS: Mapping[str, Maker] = {
     "il_forgets": _forgetting("il"),
     "random_forgets": _forgetting("random"),
     "oracle": _forgetting("oracle"),
-    "meng_toured": _toured(remembering),
-    "sptm_toured": _toured(remembering_sptm),
-    "ltvn_toured": _toured(remembering_ltvn),
+    "meng_toured": _shown(remembering, "oracle"),
+    "sptm_toured": _shown(remembering_sptm, "oracle"),
+    "ltvn_toured": _shown(remembering_ltvn, "oracle"),
+    "meng_explored": _shown(remembering, "combined"),
+    "sptm_explored": _shown(remembering_sptm, "combined"),
+    "ltvn_explored": _shown(remembering_ltvn, "combined"),
+    "meng_explores": _shown(remembering, "oracle", explores=True),
 }
 """Those that forget begin anew with each goal."""
 INGREDIENTS = (
@@ -133,8 +147,14 @@ INGREDIENTS = (
     "nts",
 )
 """The combined agent without one of its parts each, and without all of them."""
-TOURED = ("combined", "meng_toured", "sptm_toured", "ltvn_toured", "oracle")
-"""The combined agent beside systems that have to be shown a building."""
+TOURED = (
+    *("combined", "meng_toured", "sptm_toured", "ltvn_toured", "meng_explores"),
+    *("meng_explored", "sptm_explored", "ltvn_explored", "oracle"),
+)
+"""The combined agent beside systems that have to be shown a building: by the oracle, or by the
+combined agent while it explores."""
+DRIVING = ("combined", "nts", "ans_corrected", "oracle")
+"""Those that are raced in the body of a car, too."""
 FIELD = (
     *("combined", "nts_closing", "nts", "nts_forgets", "ans_corrected", "ans_recalls"),
     *("ans_like", "fbe_recalls", "fbe", "il_forgets", "random_forgets", "oracle"),

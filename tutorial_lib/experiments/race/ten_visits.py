@@ -19,11 +19,19 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.common.own import CUSTOM, or_fault
-from tutorial_lib.experiments.common.report import Fault, Options, Rows
+from tutorial_lib.experiments.common.report import CAR, ROUND, Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.race.changes import ChangingTask, changed
 from tutorial_lib.experiments.race.relocations import Relocations
-from tutorial_lib.experiments.race.runners import FIELD, INGREDIENTS, RUNNERS, TOURED, own_runner
+from tutorial_lib.experiments.race.runners import (
+    DRIVING,
+    FIELD,
+    INGREDIENTS,
+    RUNNERS,
+    TOURED,
+    own_runner,
+)
+from tutorial_lib.exploration.car_task import CarTask
 from tutorial_lib.exploration.episodes import Episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
@@ -66,6 +74,7 @@ class Settings:
         carried: visits before which a robot is carried elsewhere.
         drifts: whether odometry does, and motion is noisy.
         changes: the visit before which the building changes, see `changes`; never unless given.
+        body: of the robots, one of `BODIES`; in the lives of cars nothing else happens.
     """
 
     agents: tuple[str, ...] = FIELD
@@ -74,6 +83,7 @@ class Settings:
     carried: tuple[int, ...] = ()
     drifts: bool = True
     changes: int | None = None
+    body: str = ROUND
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,14 +169,8 @@ def run_life(
     """
     kind, seed, agent = item
     settings = kinds[kind]
-    name = exploration_world(seed, "plain", options.palette)
-    (scene, *later), goals, carries = drawn(seed, options, settings)
-    noise, own = (_stream(seed, options, number) for number in (1, 2))
-    starts = carries[0]
-    lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
-    blank = ("",) * settings.lives
-    episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
-    task = ChangingTask({name: scene}, episodes, noise, noise=settings.drifts)
+    task, later, goals, carries = begun(seed, options, settings)
+    own = _stream(seed, options, 2)
     carried = {visit: carries[visit] for visit in settings.carried}
     rebuilt = {visit: later[0] for visit in (settings.changes,) if visit is not None}
     if agent == CUSTOM:
@@ -175,6 +179,24 @@ def run_life(
             lambda: live(task, own_runner(options.agent), goals, carried, rebuilt),
         )
     return live(task, RUNNERS[agent](task, shipped("nts", "rgbd"), own), goals, carried, rebuilt)
+
+
+def begun(
+    seed: int, options: Options, settings: Settings
+) -> tuple[ExplorationTask, list[Scene], Array, Array]:
+    """The robots in the world of that seed; the scene that it changes to, goals and carries.
+
+    See `drawn`.
+    """
+    (scene, *later), goals, carries = drawn(seed, options, settings)
+    name, starts = exploration_world(seed, "plain", options.palette), carries[0]
+    lengths = GridPaths(scene.clearance).between(starts[:, :2], goals[0][:, :2])
+    blank = ("",) * settings.lives
+    episodes = Episodes((name,) * settings.lives, starts, goals[0], lengths, blank)
+    make_task = CarTask if settings.body == CAR else ChangingTask
+    noise = _stream(seed, options, 1)
+    task = make_task({name: scene}, episodes, noise, noise=settings.drifts)
+    return task, later, goals, carries
 
 
 def drawn(
@@ -341,6 +363,14 @@ _TOURED = Experiment(
     Settings(TOURED),
     canary=Settings(("meng_toured",), 1, 2),
 )
+_CAR = Experiment(
+    "race_car",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(DRIVING, lives=2, body=CAR),  # pymunk takes ten times as long
+    canary=Settings(("combined",), 1, 2, body=CAR),
+)
 _EXACT = Experiment(
     "race_exact",
     run,
@@ -359,6 +389,7 @@ EXPERIMENT = Experiment(
     canary=Settings(("combined", "nts"), 1, 2),
     accepts=frozenset({"palette", "agent"}),
     ablations={
+        "car": _CAR,
         "carried": _CARRIED,
         "changed": _CHANGED,
         "exact": _EXACT,

@@ -37,6 +37,10 @@ from tutorial_lib.experiments.results_page.tables import (
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.world.generators import SIGNS
 
+RL = {"target_rl": "target-driven RL", "map_rl": "metric map and RL"}
+"""The paper's baselines that learn by reinforcement."""
+NOT_HERE = "not trained here"
+"""In place of what they reach here without depth."""
 AGENTS = {
     "nts": "NTS",
     "nts_no_graph": "NTS without a graph",
@@ -45,14 +49,11 @@ AGENTS = {
     "fbe": "nearest frontier",
     "ans_like": "learned choice of frontier",
     "il": "imitation",
+    **RL,
     "random": "random walk",
     "oracle": "oracle",
 }
 """How agents are called on the page."""
-RL = {"target_rl": "target-driven RL", "map_rl": "metric map and RL"}
-"""The paper's baselines that learn by reinforcement."""
-LATER = "Part of the course's last notebook"
-"""In place of what those reach here."""
 SENSORS = {"rgbd": "with depth", "rgb": "without depth"}
 
 METHODS = {"both": "map and explorer", "memory": "map alone", "explorer": "explorer alone"}
@@ -97,9 +98,9 @@ def choices(rows: Rows) -> str:
     )
 
 
-def table_1(rows: Rows, signs: str) -> str:
+def table_1(results: Results, signs: str) -> str:
     """Table 1 for one kind of worlds: success and SPL of every agent, the paper's beside them."""
-    lines = []
+    lines, rows = [], all_agents(results)
     for sensor, words in SENSORS.items():
         mine = matching(rows, signs=signs, sensor=sensor)
         agents = [name for name in AGENTS if matching(mine, agent=name)]
@@ -108,14 +109,37 @@ def table_1(rows: Rows, signs: str) -> str:
         best = Best(success_and_spl, without(bounds, "agent", "spl"))
         columns = pivot(mine, by("difficulty", DIFFICULTIES), by("agent", agents), best)
         for name, *cells in transposed([agents, *columns]):
-            reported = [
-                (row["paper_success"], row["paper_spl"]) for row in matching(mine, agent=name)
-            ]
-            lines.append([AGENTS[name], words, *cells, _reported(reported)])
+            lines.append([AGENTS[name], words, *cells, _reported(name, sensor)])
         for name, called in RL.items():
-            if (name, sensor) in TABLE1:
-                lines.append([called, words, LATER, "", "", _reported(TABLE1[name, sensor])])
+            if name not in agents and (name, sensor) in TABLE1:
+                lines.append([called, words, NOT_HERE, "", "", _reported(name, sensor)])
     return table(["agent", "sensor", *DIFFICULTIES, "paper"], lines)
+
+
+def learning(curves: dict[str, Rows], count: int = 8) -> str:
+    """Success by difficulty on the way of the policies that learn by reinforcement.
+
+    Args:
+        curves: of each in `RL`, as they are on the cards of its weights.
+        count: lines of each, evenly spaced; the last measurement is the last line.
+    """
+    lines = []
+    for name, curve in curves.items():
+        for number in range(count, 0, -1):
+            row = curve[-1 - (number - 1) * len(curve) // count]
+            shares = [
+                " / ".join(percents([row[f"{part}success_{level}"] for level in DIFFICULTIES], 0))
+                for part in ("training_", "")
+            ]
+            lines.append([RL[name], f"{row['steps']:,.0f}", *shares])
+    levels = " / ".join(DIFFICULTIES)
+    return table(["policy", "frames", f"training: {levels}", f"unseen worlds: {levels}"], lines)
+
+
+def all_agents(results: Results) -> Rows:
+    """The rows of Table 1, with the policies that learnt by reinforcement, on the same episodes."""
+    learned = results.rows("nts_table2_rl", condition="standard")
+    return results.rows("nts_table1") + [row | {"sensor": "rgbd"} for row in learned]
 
 
 def in_time(rows: Rows, signs: str) -> str:
@@ -167,16 +191,14 @@ def bodies(rows: Rows, cars: Rows) -> str:
 def stop_and_noise(results: Results) -> str:
     """Table 2: the paper's agents and ours, and what each gains in either."""
     changed = list(CONDITIONS)[1:]
-    overall = results.rows("nts_table2", difficulty="overall")
+    both = results.rows("nts_table2") + results.rows("nts_table2_rl")
+    overall = matching(both, difficulty="overall")
     lines = []
     for agent in ("nts", "ans_like", "fbe", *RL, "il"):
         usual, shares = PAPER_STANDARD[agent], [PAPER[agent, name][-1] for name in changed]
         cells = [*percents((usual, *shares), 0), *(points(share - usual) for share in shares)]
-        called = (AGENTS | RL)[agent]
+        called = AGENTS[agent]
         lines.append([called, "the paper", *cells])
-        if agent in RL:
-            lines.append([called, LATER, *[""] * 5])
-            continue
         asked = by("signs", SIGNS), by("condition", CONDITIONS)
         here = pivot(matching(overall, agent=agent), *asked, "{success:.1%}")
         for signs, cells in zip(SIGNS, here, strict=True):
@@ -188,7 +210,8 @@ def stop_and_noise(results: Results) -> str:
 
 def gain_without(results: Results, agent: str, signs: str, condition: str) -> str:
     """What an agent gains without stopping or noise, as the report on Table 2 has it."""
-    return str(results.finding("nts_table2", f"{agent}, {signs}: {condition} - standard"))
+    report = "nts_table2_rl" if agent in RL else "nts_table2"
+    return str(results.finding(report, f"{agent}, {signs}: {condition} - standard"))
 
 
 def sequences(rows: Rows) -> str:
@@ -286,9 +309,10 @@ def _asked(**values: Iterable[str]) -> Rows:
     return [dict(zip(values, found, strict=True)) for found in product(*values.values())]
 
 
-def _reported(levels: Iterable[tuple[float | None, float | None]]) -> str:
+def _reported(agent: str, sensor: str) -> str:
     """Success and SPL by difficulty as the paper has them; nothing where it has not."""
-    return ", ".join(f"{success:.2f} / {spl:.2f}" for success, spl in levels if success is not None)
+    levels = TABLE1.get((agent, sensor), ())
+    return ", ".join(f"{success:.2f} / {spl:.2f}" for success, spl in levels)
 
 
 def _agent(row: Row) -> str:

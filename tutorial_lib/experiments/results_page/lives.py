@@ -34,6 +34,10 @@ AGENTS = {
     "meng_toured": "Meng, after a tour",
     "sptm_toured": "SPTM, after a tour",
     "ltvn_toured": "LTVN, after a tour",
+    "meng_explores": "Meng, after a tour, with NTS where it has no path",
+    "meng_explored": "Meng, after exploring",
+    "sptm_explored": "SPTM, after exploring",
+    "ltvn_explored": "LTVN, after exploring",
 }
 """How agents are called on the page."""
 FIRST, LAST, ALL = PARTS

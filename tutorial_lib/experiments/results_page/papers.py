@@ -9,7 +9,7 @@ from tutorial_lib.experiments.nts.table2 import PAPER_STANDARD
 from tutorial_lib.experiments.results_page import exploring
 from tutorial_lib.experiments.results_page.markdown import Row, link, listed, percents, points
 from tutorial_lib.experiments.results_page.sources import Results
-from tutorial_lib.experiments.results_page.tables import Text, by, pivot
+from tutorial_lib.experiments.results_page.tables import Text, by, matching, pivot
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.world.generators import SIGNS
 
@@ -52,7 +52,7 @@ def reported(agent: str, sensor: str) -> str:
 
 def reached(results: Results, agent: str, sensor: str) -> str:
     """Success by difficulty in ours, in plain worlds / with signs."""
-    rows = results.rows("nts_table1", agent=agent, sensor=sensor)
+    rows = matching(exploring.all_agents(results), agent=agent, sensor=sensor)
     cells = pivot(rows, by("signs", SIGNS), by("difficulty", DIFFICULTIES), "{success:.0%}")
     return " / ".join(", ".join(line) for line in cells)
 

@@ -25,7 +25,7 @@ EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
 LIFELONG = ("label", "model", "finetune", "lifelong", "spurious", "change")
 """Experiments of maps that mend themselves."""
-RACES = ("exact", "toured", "carried", "changed", "ingredients")
+RACES = ("exact", "car", "toured", "carried", "changed", "ingredients")
 """Ablations of the race."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", TOUR)
@@ -102,6 +102,7 @@ EXPERIMENTS = {
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
     "nts_table1_car": "experiment nts_table1 --body car",
     "nts_table1_rules": "experiment nts_table1 --ablation rules",
+    "nts_table2_rl": "experiment nts_table2 --ablation rl",
     "race": "experiment race",
     **{f"race_{name}": f"experiment race --ablation {name}" for name in RACES},
 }
