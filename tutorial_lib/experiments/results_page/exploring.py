@@ -120,7 +120,7 @@ def learning(curves: dict[str, Rows]) -> str:
     """Success by difficulty on the way of the policies that learn by reinforcement.
 
     Args:
-        curves: of each in `RL`, as they are on the cards of its weights, measured at the same steps.
+        curves: of each in `RL`, as on the cards of its weights, measured at the same steps.
     """
     lines = []
     for measured in zip(*curves.values(), strict=True):
