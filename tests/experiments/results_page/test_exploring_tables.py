@@ -245,7 +245,9 @@ def test_the_other_sections_read_their_reports():
     assert "| NTS | network, with depth | 1,834 |" in speed.exploration(rows)
     _, sections = render_chapter(load_results(), exploring)
     named = {name for found in sections for name in found.sources}
-    assert named == {f"nts_{name}" for name in (*EXPLORING, "table1_car", "table1_rules", "table2_rl")}
+    assert named == {
+        f"nts_{name}" for name in (*EXPLORING, "table1_car", "table1_rules", "table2_rl")
+    }
 
 
 RULES = [
