@@ -116,24 +116,21 @@ def table_1(results: Results, signs: str) -> str:
     return table(["agent", "sensor", *DIFFICULTIES, "paper"], lines)
 
 
-def learning(curves: dict[str, Rows], count: int = 8) -> str:
+def learning(curves: dict[str, Rows]) -> str:
     """Success by difficulty on the way of the policies that learn by reinforcement.
 
     Args:
-        curves: of each in `RL`, as they are on the cards of its weights.
-        count: lines of each, evenly spaced; the last measurement is the last line.
+        curves: of each in `RL`, as on the cards of its weights, measured at the same steps.
     """
     lines = []
-    for name, curve in curves.items():
-        for number in range(count, 0, -1):
-            row = curve[-1 - (number - 1) * len(curve) // count]
-            shares = [
-                " / ".join(percents([row[f"{part}success_{level}"] for level in DIFFICULTIES], 0))
-                for part in ("training_", "")
-            ]
-            lines.append([RL[name], f"{row['steps']:,.0f}", *shares])
-    levels = " / ".join(DIFFICULTIES)
-    return table(["policy", "frames", f"training: {levels}", f"unseen worlds: {levels}"], lines)
+    for measured in zip(*curves.values(), strict=True):
+        cells = [f"{measured[0]['steps']:,.0f}"]
+        for row, part in product(measured, ("training_", "")):
+            shares = [row[f"{part}success_{level}"] for level in DIFFICULTIES]
+            cells.append(" / ".join(percents(shares, 0)))
+        lines.append(cells)
+    heads = [f"{RL[name]}, {of_what}" for name, of_what in product(curves, ("training", "unseen"))]
+    return table(["frames", *heads], lines)
 
 
 def all_agents(results: Results) -> Rows:
