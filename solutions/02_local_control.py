@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, from the overlaps. The training loss, printed afterwards, is larger: in training, the network must also say where the photo was taken.
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes a fourth error, of where the network says that the photo was taken.
 
 # %%
 training_pairs = Source(
@@ -1100,7 +1100,7 @@ for name, network in (("your 400 steps", learnt), ("pretrained, k = 2", pretrain
 #
 # ## 9 · The photo at the door
 #
-# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to the predicted waypoint. Watch whether the waypoint stays put.
+# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to the predicted waypoint. Watch the waypoint: it's a new one ten times a second.
 
 # %% hidden=true
 # Film: the robot drives to the photo, from above and as it sees

@@ -510,7 +510,7 @@ axis.legend(fontsize=10, loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# If the active anchor is too near, the robot brakes before it moves on. If it's too far, the robot leaves the recorded path, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where not queried), at each step:
+# If the active anchor is too near, the robot brakes before it moves on. If it's too far, the robot leaves the recorded path, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where not queried), and the thresholds in `rules`, listed in section 11, at each step:
 #
 # 1. **Last visited.** Compare the active anchor with those just before and after it, if any. The closest has the largest overlap. It counts as visited if that overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
 # 2. **Active.** Advance by one, if there is a next one, and
@@ -562,7 +562,7 @@ move_on = check_move_on.use(move_on)
 # %% [markdown]
 # ### It can't make up its mind
 #
-# RE of the active anchor isn't always high. The paper's robot trusts an anchor above 0.92; below that it lets go, and drives on by odometry to where it last wanted to go. Here's that robot on its way, in blue. Somebody carries off the vermilion one after 12 s.
+# RE of the active anchor isn't always high. The paper's robot trusts an anchor above 0.92; below that it lets go, and drives on by odometry to where it last wanted to go. The blue curve is RE of that robot's anchor; the vermilion one belongs to a robot that somebody carries off after 12 s.
 
 
 # %% hidden=true

@@ -1096,7 +1096,7 @@ display(curse)
 #
 # ### Exercise 6 · `tally` (easy, 7 minutes)
 #
-# A trip may come to the same edge more than once: each time counts. Edges from `HERE` and to `GOAL` count like the others, and an edge has a direction.
+# A trip may come to the same edge more than once: each time counts. Edges from `HERE` and to `GOAL`, −1 and −2 in the table below, count like the others, and an edge has a direction.
 #
 # <details><summary>Hint 1: concept</summary>Edge i (from 1) of a path leads to place i. Compare i with the place where the trip stopped.</details>
 # <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival, all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>

@@ -283,7 +283,7 @@ print(
 #
 # What must a robot predict to find a place in a building it has never entered? Four things, from panoramas alone:
 #
-# - **$\mathcal F_L$: am I in this node?** A panorama belongs to a node if it was taken within $r = 3$ m of the node, and in sight of it:
+# - **$\mathcal F_L$: am I in this node?** A panorama $I$ belongs to a node $N$ if its place $x_I$ is within $r = 3$ m of the node's, $x_N$, and in sight of it:
 #
 # $$ \mathcal F_L(I_N, I) = P\big(\lVert x_I - x_N \rVert \le r \ \text{and}\ x_I\ \text{is visible from}\ x_N\big). $$
 #
