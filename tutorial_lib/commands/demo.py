@@ -28,19 +28,8 @@ EXPLORED = 2
 """Seed of the usual exploration: from a bedroom over a corridor into the living room, past several
 ghosts of which it chooses some; with seed 0 it would be one straight corridor."""
 LIFELONG_REFUSES = (
-    *(
-        "map",
-        "region",
-        "family",
-        "seed",
-        "start",
-        "goal",
-        "oracle",
-        "learn",
-        "agent",
-        "robot",
-        "explore",
-    ),
+    *("map", "region", "family", "seed", "start", "goal"),
+    *("oracle", "learn", "agent", "robot", "explore"),
 )
 """Options that do not count beside `--lifelong` and `--life`, whose building is always the same."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
