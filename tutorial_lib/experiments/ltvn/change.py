@@ -1,12 +1,15 @@
 """A door closes and opens again: which maps find the detour, and which use the door again?
 
 In each building one door is closed for a while by people who stand in it. All queries lead through
-that door where it is open, and the learned drives hold a detour around it. Maps that mend
-themselves are LTVN's and Meng's; each is compared with the same map as it was built.
+that door where it is open. The learned drives hold a detour around it, and who takes that arrives
+facing as who drives through the door, as the goal image asks. Maps that mend themselves are LTVN's
+and Meng's; each is compared with the same map as it was built, and with an oracle that knows of the
+door.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,16 +20,20 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.driving.data.demonstrations import demonstrate_between
+from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.common.statistics import over_worlds
+from tutorial_lib.experiments.common.report import Finding, Notes, Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.ltvn.lifelong import (
     FROZEN,
     MENDING,
     MENDING_MENG,
     MENG,
     NETWORK,
+    ORACLE,
     mending_meng,
     prepared_agent,
 )
@@ -49,6 +56,7 @@ from tutorial_lib.experiments.protocols.obstacles import BODY, across_door, path
 from tutorial_lib.geometry import Array, distance_to_segments
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
+from tutorial_lib.se2 import wrap
 from tutorial_lib.world.floorplan import Door
 from tutorial_lib.world.people import Person
 
@@ -59,7 +67,11 @@ LEAST = 4
 """Pairs of places whose path leads through a door, at least."""
 DETOUR = 3.0
 """Times as long as the path through the door that the one around it is, at most."""
-AGENTS = (MENDING, FROZEN, MENDING_MENG, MENG)
+ALIKE = float(np.deg2rad(30.0))
+"""Rad between headings that count as alike here; a goal counts as reached up to twice as many."""
+AGENTS = (MENDING, FROZEN, MENDING_MENG, MENG, ORACLE)
+MENDED = ((MENDING, FROZEN), (MENDING_MENG, MENG))
+"""Maps that mend themselves, each with the same as it was built."""
 
 
 @dataclass(frozen=True)
@@ -68,14 +80,16 @@ class Settings:
 
     Attributes:
         agents: that are compared.
-        queries: in each phase.
+        queries: in each phase, the same in all.
         block: queries of one row.
+        late: of the last queries of a phase, those that differences compare.
         fleet: robots that set off together.
     """
 
     agents: tuple[str, ...] = AGENTS
     queries: int = 50
     block: int = 10
+    late: int = 30
     fleet: int = 5
 
 
@@ -85,7 +99,8 @@ class Doorway:
 
     Attributes:
         people: who close it.
-        pairs: (M,) numbers of the pairs of places between which the path leads through it.
+        pairs: (M,) numbers of the pairs of places between which the path leads through it, and one
+            around it that ends facing alike.
         detour: by such a number, how many times as long the path around it is.
     """
 
@@ -94,23 +109,47 @@ class Doorway:
     detour: dict[int, float]
 
 
-def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     """Let every agent live through all phases in every building that has such a door."""
     doors = for_each(doorway, options.worlds, options.seed, label="doors")
     known = {
         world: door for world, door in zip(options.worlds, doors, strict=True) if door is not None
     }
-    items = [(world, known[world], name) for world in known for name in settings.agents]
+    notes: list[str | Finding] = [
+        f"{len(known)} of {len(options.worlds)} worlds have a door with a detour"
+    ]
+    if not known:
+        return [], notes
+    items = [(world, known[world], name) for name in settings.agents for world in known]
     lives = iter(for_each(lived, items, options.seed, settings, label="ltvn_change"))
-    found = {(world, name): next(lives) for world, _, name in items}
+    found = {name: [next(lives) for _ in known] for name in settings.agents}
     rows = [
-        _row(name, phase, block, [found[world, name] for world in known], list(known), settings)
+        _row(name, phase, block, found[name], list(known), settings)
         for name in settings.agents
         for phase in PHASES
         for block in range(settings.queries // settings.block)
-        if known
     ]
-    return rows, [f"{len(known)} of {len(options.worlds)} worlds have a door with a detour"]
+    return rows, notes + _differences(found, list(known), settings)
+
+
+def _differences(
+    found: dict[str, list[dict[str, Outcome]]], worlds: list[int], settings: Settings
+) -> list[Finding]:
+    """Paired, of the last queries of a phase: from those with the door open, and of two maps."""
+
+    def of(name: str, phase: str) -> Array:
+        return np.concatenate([one[phase].success[-settings.late :] for one in found[name]]) * 1.0
+
+    units = np.repeat(worlds, min(settings.late, settings.queries))
+    pairs = [((name, OPEN), (name, phase)) for name in found for phase in (CLOSED, REOPENED)]
+    pairs += [((old, phase), (new, phase)) for new, old in MENDED for phase in PHASES]
+    return [
+        Finding(
+            f"{' '.join(after)} - {' '.join(before)}", *difference(of(*after), of(*before), units)
+        )
+        for before, after in pairs
+        if before[0] in found and after[0] in found
+    ]
 
 
 def _row(
@@ -146,16 +185,29 @@ def lived(item: tuple[int, Doorway, str], seed: int, settings: Settings) -> dict
     building = part_of(whole, DRIVES, seed)
     rng = np.random.default_rng([seed, world, 1])
     count = settings.queries
-    trials = draw_trials(whole, len(PHASES) * count, rng, door.pairs)
-    agent = learned(building, name)
+    trials = draw_trials(whole, count, rng, door.pairs)
+    longer = replace(trials, seconds=trials.seconds * _detours(whole, trials, door))
+    agent = None if name == ORACLE else learned(building, name)
     found = {}
     for number, phase in enumerate(PHASES):
-        some = trials.subset(np.arange(number * count, (number + 1) * count))
-        people = door.people if phase == CLOSED else ()
-        if people:
-            some = replace(some, seconds=some.seconds * _detours(whole, some, door))
-        found[phase] = _queries(building, some, agent, settings.fleet, number * count, people)
+        some, people = (longer, door.people) if phase == CLOSED else (trials, ())
+        if agent is None:
+            found[phase] = _oracle(whole, some, people)
+        else:
+            found[phase] = _queries(building, some, agent, settings.fleet, number * count, people)
     return found
+
+
+def _oracle(building: Building, trials: Trials, people: tuple[Person, ...]) -> Outcome:
+    """Trials of robots that know where the people are."""
+    paths = paths_around(building, _places(people)) if people else building.paths
+    goals = trials.goal_poses
+    return navigate(building, trials, lambda sim: OracleNavigation(sim, paths, goals), people)
+
+
+def _places(people: Sequence[Person]) -> Array:
+    """Where people stand, (P, 2)."""
+    return np.concatenate([person.route for person in people])
 
 
 def learned(building: Building, name: str) -> LTVNAgent | MengAgent:
@@ -201,15 +253,12 @@ def doorway(world: int, seed: int) -> Doorway | None:
     best: Doorway | None = None
     for door in whole.scene.plan.doors:
         people = across_door(door)
-        places = np.concatenate([person.route for person in people])
-        around = paths_around(whole, places)
-        through = _through(whole, door)
-        detours = {}
-        for pair in through:
-            start, end = (whole.places[place][None] for place in whole.pairs[pair])
-            longer = around.between(start, end)[0] / whole.paths.between(start, end)[0]
-            if longer <= DETOUR and _learned_around(agent.sampled.graph, poses, places, start, end):
-                detours[int(pair)] = float(longer)
+        places = _places(people)
+        detours = {
+            pair: longer
+            for pair, longer in _around(whole, places, _through(whole, door)).items()
+            if _is_learned(agent.sampled.graph, poses, places, whole.recorded.trajectories[pair])
+        }
         if len(detours) >= LEAST and (best is None or len(detours) > len(best.pairs)):
             best = Doorway(tuple(people), np.array(sorted(detours)), detours)
     return best
@@ -229,19 +278,41 @@ def _through(whole: Building, door: Door) -> NDArray[np.intp]:
     )
 
 
-def _learned_around(
-    graph: nx.DiGraph, poses: Array, places: Array, start: Array, end: Array
-) -> bool:
-    """Whether a map has a path between two places that leads through nobody."""
+def _around(whole: Building, places: Array, pairs: NDArray[np.intp]) -> dict[int, float]:
+    """Of pairs with a path around people at places (P, 2) that ends facing alike: its detour."""
+    around, recorded = paths_around(whole, places), whole.recorded
+    starts = recorded.poses[recorded.first_frames[pairs]]
+    goals = whole.places[whole.pairs[pairs, 1]]
+    longer = around.between(starts[:, :2], goals) / whole.paths.between(starts[:, :2], goals)
+    near = longer <= DETOUR
+    if not near.any():
+        return {}
+    pairs, longer = pairs[near], longer[near]
+    where = whole.name, whole.scene, around
+    shown = demonstrate_between(*where, starts[near], goals[near], 0, body=whole.body)
+    found = {}
+    for pair, times, one in zip(pairs.tolist(), longer.tolist(), shown, strict=True):
+        if one is not None and _alike(one.poses[-1], recorded.trajectories[pair].poses[-1]):
+            found[pair] = times
+    return found
+
+
+def _is_learned(graph: nx.DiGraph, poses: Array, places: Array, drive: Trajectory) -> bool:
+    """Whether a map has a path that leads through nobody and begins and ends as a drive does."""
     edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
     segments = np.hstack([poses[edges[:, 0], :2], poses[edges[:, 1], :2]])
     gap = distance_to_segments(places, segments).min(axis=0)
     left = nx.DiGraph(edges[gap > Person.radius + BODY].tolist())
-    near = [
-        [v for v in left if np.linalg.norm(poses[v, :2] - place) < 1.0] for place in (start, end)
-    ]
-    reached = set().union(*(nx.descendants(left, v) | {v} for v in near[0]))
-    return bool(reached & set(near[1]))
+    begins, ends = (
+        {v for v in left if np.hypot(*(poses[v] - pose)[:2]) < 1.0 and _alike(poses[v], pose)}
+        for pose in drive.poses[[0, -1]]
+    )
+    reached = set().union(*(nx.descendants(left, v) | {v} for v in begins))
+    return bool(reached & ends)
+
+
+def _alike(pose: Array, other: Array) -> bool:
+    return abs(wrap(pose[2] - other[2])) <= ALIKE
 
 
 def _detours(whole: Building, trials: Trials, door: Doorway) -> Array:
@@ -254,7 +325,7 @@ QUICK = Settings(queries=20)
 EXPERIMENT = Experiment(
     "ltvn_change",
     run,
-    tuple(range(20_002, 20_032, 3)),
+    tuple(range(20_002, 20_041, 3)),
     tuple(range(20_002, 20_008, 3)),
     settings=Settings(),
     quick_settings=QUICK,
