@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import in_the_way, nearest_in_the_way
 from tutorial_lib.agents.ltvn_state import GOAL, Leg, RobotState, TravelSettings
-from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.driving.control.three_point import Stillness, ThreePointTurn
 from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
 from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world, wrap
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded, shortest_paths
 from tutorial_lib.topology.mapping.image_pool import length
-from tutorial_lib.topology.mapping.sampling_map import SampledMap
+from tutorial_lib.topology.mapping.sampling_map import SampledMap, is_connectable
 from tutorial_lib.validation import floats, instances
 from tutorial_lib.world.simulation import STEP
 
@@ -72,7 +72,7 @@ class LTVNNavigation:
         self.states = [self._state_for(goal) for goal in goals]
         self.traversals: list[Traversal] = []
         self._now = np.zeros(len(goals))
-        self._rotation = ThreePointTurn(len(goals))
+        self._rotation, self._stillness = ThreePointTurn(len(goals)), Stillness(len(goals))
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2): drive, or turn to look around."""
@@ -96,8 +96,14 @@ class LTVNNavigation:
                 actions[rows] = floats("actions", chosen, (len(rows), 2))
         turning = ~driving & ~over[robots]
         if turning.any():
-            actions[turning] = self._rotation.act(observations[turning], robots[turning])
+            actions[turning] = self._turn(observations[turning], robots[turning])
         return actions
+
+    def _turn(self, observations: Observation, robots: NDArray[np.intp]) -> Array:
+        """Actions (M, 2) of robots (M,) that turn; where it is too tight, to the other side."""
+        stuck = self._stillness.stuck(robots, observations.odometry)
+        self._rotation.turn_back(robots[stuck], observations.odometry[stuck])
+        return self._rotation.act(observations, robots)
 
     def _state_for(self, goal: Goals) -> RobotState:
         """How one image of the goal becomes a vertex: edges lead to it from where it is seen."""
@@ -203,7 +209,7 @@ class LTVNNavigation:
     def _go_on(self, observation: Observation, robot: int) -> None:
         """Localize, plan and set off; or look around."""
         state = self.states[robot]
-        found = self._localized(observation, state)
+        found = self._localized(observation, state) or self._novel(observation, state)
         if found is None:
             self._look_around(observation, robot)
             return
@@ -298,6 +304,19 @@ class LTVNNavigation:
                 best = int(metres.argmin())
                 return int(candidates[best]), kind, None, waypoints[best]
         return presumed
+
+    def _novel(
+        self, observation: Observation, state: RobotState
+    ) -> tuple[int, str, Edge | None, Array] | None:
+        """Where it cannot localize, a robot is at a new image, if it sees the map from there."""
+        after, rules = self._settings.novel, self._map.rules
+        if not self._mends or after is None or state.searched * STEP < after:
+            return None
+        reachable, waypoints = self._map.pool.seen_from(observation, self._map.vertices)
+        limits = rules.connect * self._upkeep.rules.loosened, rules.most_turn
+        if not is_connectable(reachable > rules.reachable, waypoints, *limits).any():
+            return None
+        return self._map.add(observation), "trusted", None, np.zeros(3)
 
     def _seen(self, observation: Observation, vertices: NDArray[np.intp]) -> tuple[Array, Array]:
         """r-hat (V,) and poses (V, 3) of vertices: seen from the robot, or the robot from them.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.rmp_arcs import free_travel, safe_speeds
 from tutorial_lib.driving.control.same_body import for_robots
-from tutorial_lib.interfaces import Observation
+from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.se2 import Array, to_local, wrap
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.sensors import full_circle
@@ -25,6 +25,22 @@ _OVER = 0.7  # rad that it turns beyond the wanted heading, and then back
 _STEP_OUT = 0.35  # metres ahead of and behind its place between which it drives to and fro
 _BEGIN, _GO_ON = 0.1, 0.03  # metres that must be free to begin with an arc, and to go on
 _SETTLE = 0.15  # rad; until the wheels are turned so far, it stands
+
+
+class Stillness:
+    """For how long each of N robots has stood still."""
+
+    def __init__(self, robots: int) -> None:
+        """Begin with so many robots that move."""
+        self._seconds, self._before = np.zeros(robots), np.full((robots, 3), np.inf)
+
+    def stuck(self, robots: Robots, odometry: Array) -> NDArray[np.bool_]:
+        """(M,) whether robots have stood still for `STUCK` seconds; the count then begins anew."""
+        still = np.abs(odometry - self._before[robots]).max(axis=1) < STILL
+        seconds = np.where(still, self._seconds[robots] + STEP, 0.0)
+        stuck = seconds > STUCK
+        self._seconds[robots], self._before[robots] = np.where(stuck, 0.0, seconds), odometry
+        return stuck
 
 
 class ThreePointTurn:
@@ -48,6 +64,14 @@ class ThreePointTurn:
         self._place[robots], self._heading[robots] = odometry, odometry[:, 2]
         self._angle[robots], self._side[robots] = angles, np.where(angles < 0, -1.0, 1.0)
         self._gear[robots] = 1.0
+
+    def turn_back(self, robots: NDArray[np.intp], odometry: Array) -> None:
+        """Turn robots (M,) that are stuck to the other side, to the same heading."""
+        side = self._side[robots]
+        left = wrap(self._angle[robots] - self._turned[robots])
+        seconds = self.seconds[robots]
+        self.begin(robots, odometry, left - 2 * np.pi * side)
+        self.seconds[robots] = seconds
 
     def act(self, observations: Observation, robots: NDArray[np.intp]) -> Array:
         """Actions (M, 2) of robots (M,): speed in m/s, and steering in rad."""

@@ -1,14 +1,12 @@
 """Driving to waypoints with three-point turns: towards what is behind, and out of corners."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.driving.control.oracle import TURN_ROUND
 from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.driving.control.three_point import AHEAD, BEHIND, STILL, STUCK, ThreePointTurn
+from tutorial_lib.driving.control.three_point import AHEAD, BEHIND, Stillness, ThreePointTurn
 from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.se2 import Array
-from tutorial_lib.world.simulation import STEP
 
 _NEAR = 0.2  # metres from a waypoint within which no turn begins: it is reached already
 
@@ -24,7 +22,7 @@ class TurningController:
         """Begin with so many cars that do not turn."""
         self._drive, self._turn = RMPController(), ThreePointTurn(robots)
         self._turning, self._other = np.zeros((2, robots), bool)
-        self._still, self._before = np.zeros(robots), np.full((robots, 3), np.inf)
+        self._stillness = Stillness(robots)
 
     def act(self, observations: Observation, robots: Robots, waypoints: Array) -> Array:
         """Actions (M, 2) of robots (M,), from what they observe now, for waypoints (M, 2)."""
@@ -37,7 +35,7 @@ class TurningController:
         """Which robots turn, and to which side."""
         bearings = np.arctan2(waypoints[:, 1], waypoints[:, 0])
         far = np.linalg.norm(waypoints, axis=1) > _NEAR
-        stuck = self._stuck(odometry, robots) & far
+        stuck = self._stillness.stuck(robots, odometry) & far
         turning = self._turning[robots]
         begin = stuck | (far & ~turning & (np.abs(bearings) > BEHIND))
         self._other[robots] = np.where(
@@ -48,11 +46,3 @@ class TurningController:
         self._turn.begin(robots[rows], odometry[rows], bearings[rows] + other)
         late = self._turn.seconds[robots] > TURN_ROUND
         self._turning[robots] = (turning | begin) & (np.abs(bearings) > AHEAD) & ~late
-
-    def _stuck(self, odometry: Array, robots: Robots) -> NDArray[np.bool_]:
-        """(M,) whether robots have stood still for long enough; the count then begins anew."""
-        still = np.abs(odometry - self._before[robots]).max(axis=1) < STILL
-        seconds = np.where(still, self._still[robots] + STEP, 0.0)
-        stuck = seconds > STUCK
-        self._still[robots], self._before[robots] = np.where(stuck, 0.0, seconds), odometry
-        return stuck
