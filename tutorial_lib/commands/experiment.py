@@ -44,7 +44,6 @@ ABLATIONS = {
     "rules": "the agent with rules of the paper that it has not",
     "rl": "the paper's two baselines that learn by reinforcement",
     "exact": "motion and odometry without noise",
-    "long": "500 queries, with updates and without, of LTVN's map and of Meng's",
     "car": "the body of a car, which cannot turn in place",
     "carried": "lives in which somebody carries the robot elsewhere, twice",
     "changed": "lives in which a door closes, another opens, and furniture moves",

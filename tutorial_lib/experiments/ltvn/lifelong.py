@@ -73,29 +73,28 @@ class Settings:
     """Settings of the experiment.
 
     Attributes:
-        agents: that are compared, each with its perception.
-        lasting: those of them that run all queries; the others run the first `brief`.
-        queries: in each building.
-        brief: see `lasting`.
+        agents: that are compared, each with its perception and the number of its queries in each
+            building: the first of those that all are drawn from.
         block: queries of one row.
         fleet: robots that set off together.
     """
 
-    agents: tuple[tuple[str, str], ...] = (
-        *((MENDING, NETWORK), (FROZEN, NETWORK), (MENDING, ORACLE), (FROZEN, ORACLE)),
-        *(("ving", NETWORK), ("sptm", NETWORK), (MENG, NETWORK), ("oracle", ORACLE)),
+    agents: tuple[tuple[str, str, int], ...] = (
+        *((MENDING, NETWORK, 500), (FROZEN, NETWORK, 200)),
+        *((MENDING_MENG, NETWORK, 500), (MENG, NETWORK, 200)),
+        *((MENDING, ORACLE, 50), (FROZEN, ORACLE, 50)),
+        *(("ving", NETWORK, 50), ("sptm", NETWORK, 50), ("oracle", ORACLE, 50)),
     )
-    lasting: tuple[tuple[str, str], ...] = ((MENDING, NETWORK), (FROZEN, NETWORK))
-    queries: int = 200
-    brief: int = 50
     block: int = 50
     fleet: int = 25
 
+    @property
+    def queries(self) -> int:
+        """That are drawn in each building."""
+        return max(count for _, _, count in self.agents)
 
-_LASTING = tuple((name, NETWORK) for name in (MENDING, FROZEN, MENG, MENDING_MENG))
-LONG = Settings(agents=_LASTING, lasting=_LASTING, queries=500)
-_PARTS = tuple((name, NETWORK) for name in VARIANTS)
-ABLATED = Settings(agents=_PARTS, lasting=_PARTS, queries=100)
+
+ABLATED = Settings(tuple((name, NETWORK, 100) for name in VARIANTS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,17 +112,18 @@ class Lived:
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Let every agent live in every building."""
-    items = [(world, *agent) for world in options.worlds for agent in settings.agents]
-    found = for_each(lived, items, options.seed, settings, label="ltvn_lifelong")
-    by = dict(zip(items, found, strict=True))
+    items = [(world, *agent) for agent in settings.agents for world in options.worlds]
+    lives = iter(for_each(lived, items, options.seed, settings, label="ltvn_lifelong"))
+    found = {
+        agent[:2]: {world: next(lives) for world in options.worlds} for agent in settings.agents
+    }
     rows: Rows = []
-    for name, perception in settings.agents:
+    for (name, perception), by_world in found.items():
         for family, worlds in families(options.worlds).items():
-            parts = [by[world, name, perception] for world in worlds]
-            rows += _rows(
-                {"agent": name, "perception": perception, "family": family}, parts, worlds, settings
-            )
-    return rows, _differences(by, options, settings)
+            parts = [by_world[world] for world in worlds]
+            key = {"agent": name, "perception": perception, "family": family}
+            rows += _rows(key, parts, worlds, settings)
+    return rows, _differences(found, options, settings)
 
 
 def families(worlds: tuple[int, ...]) -> dict[str, list[int]]:
@@ -133,14 +133,13 @@ def families(worlds: tuple[int, ...]) -> dict[str, list[int]]:
     return {name: some for name, some in (("others", others), ("loop_corridor", loops)) if some}
 
 
-def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
+def lived(item: tuple[int, str, str, int], seed: int, settings: Settings) -> Lived:
     """One agent in one building."""
-    world, name, perception = item
+    world, name, perception, count = item
     whole = make_building(world, seed)
     building = part_of(whole, TOUR, seed)
     trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
-    if (name, perception) not in settings.lasting:
-        trials = trials.subset(np.arange(min(settings.brief, len(trials))))
+    trials = trials.subset(np.arange(min(count, len(trials))))
     if name in VARIANTS:
         agent = prepared_agent(building, name, perception)
         return mended(building, trials, agent, settings)
@@ -246,38 +245,35 @@ def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: 
     return rows
 
 
-def _differences(by: dict[Any, Lived], options: Options, settings: Settings) -> list[Finding]:
+def _differences(
+    found: dict[tuple[str, str], dict[int, Lived]], options: Options, settings: Settings
+) -> list[Finding]:
     """Paired: of LTVN's agent from the others, and of Meng's mended map from Meng's."""
-    found = []
-    half = min(settings.brief, settings.queries // 2)
-    pairs = [((MENDING, other[1]), other) for other in settings.agents if other[0] != MENDING]
+    pairs = [((MENDING, other[1]), other) for other in found if other[0] != MENDING]
     pairs.append(((MENDING_MENG, NETWORK), (MENG, NETWORK)))
+    differences = []
     for family, worlds in families(options.worlds).items():
         for one, other in pairs:
-            if not {one, other} <= set(settings.agents):
+            if not {one, other} <= set(found):
                 continue
-            parts = {f"first {half}": slice(half)}
-            if {one, other} <= set(settings.lasting):
-                parts |= {
-                    f"last {half}": slice(-half, None),
-                    f"all {settings.queries}": slice(None),
-                }
-            for words, some in parts.items():
-                mine, theirs = (
-                    [by[(world, *agent)].success[some] for world in worlds]
-                    for agent in (one, other)
+            mine, theirs = ([found[agent][w].success for w in worlds] for agent in (one, other))
+            count, block = min(map(len, mine + theirs)), settings.block
+            for first, last in dict.fromkeys(((0, block), (count - block, count), (0, count))):
+                gap = difference(
+                    np.concatenate([success[first:last] for success in mine]),
+                    np.concatenate([success[first:last] for success in theirs]),
+                    np.repeat(worlds, last - first),
                 )
-                units = np.repeat(worlds, [len(part) for part in mine])
-                gap = difference(np.concatenate(mine), np.concatenate(theirs), units)
-                what = f"{family}, {words} queries, {other[1]}: {one[0]} - {other[0]}"
-                found.append(Finding(what, *gap))
-    return found
+                what = f"{family}, queries {first + 1} to {last}, {other[1]}: {one[0]} - {other[0]}"
+                differences.append(Finding(what, *gap))
+    return differences
 
 
 QUICK = Settings(
-    agents=(*((name, p) for p in PERCEPTIONS for name in (MENDING, FROZEN)), (MENG, NETWORK)),
-    queries=100,
-    brief=40,
+    (
+        *((name, perception, 100) for perception in PERCEPTIONS for name in (MENDING, FROZEN)),
+        (MENG, NETWORK, 40),
+    ),
     block=20,
     fleet=20,
 )
@@ -289,26 +285,19 @@ EXPERIMENT = Experiment(
     settings=Settings(),
     quick_settings=QUICK,
     canary=Settings(
-        agents=(*_LASTING, ("ving", NETWORK), ("sptm", NETWORK)), queries=2, block=2, fleet=2
+        tuple((name, NETWORK, 2) for name in (MENDING, FROZEN, MENG, MENDING_MENG, "ving", "sptm")),
+        block=2,
+        fleet=2,
     ),
     ablations={
-        "long": Experiment(
-            "ltvn_lifelong_long",
-            run,
-            WORLDS,
-            WORLDS[:2],
-            settings=LONG,
-            quick_settings=replace(LONG, queries=100, block=20, fleet=20),
-            canary=replace(LONG, queries=2, block=2, fleet=2),
-        ),
         "parts": Experiment(
             "ltvn_lifelong_parts",
             run,
             WORLDS,
             WORLDS[:2],
             settings=ABLATED,
-            quick_settings=replace(ABLATED, queries=100, block=20, fleet=20),
-            canary=replace(ABLATED, queries=2, block=2, fleet=2),
+            quick_settings=replace(ABLATED, block=20, fleet=20),
+            canary=Settings(tuple((name, NETWORK, 2) for name in VARIANTS), block=2, fleet=2),
         ),
     },
 )
