@@ -22,7 +22,7 @@ from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_wor
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded, shortest_paths
 from tutorial_lib.topology.mapping.image_pool import length
-from tutorial_lib.topology.mapping.sampling_map import SampledMap, is_connectable
+from tutorial_lib.topology.mapping.sampling_map import SampledMap
 from tutorial_lib.validation import floats, instances
 from tutorial_lib.world.simulation import STEP
 
@@ -209,7 +209,7 @@ class LTVNNavigation:
     def _go_on(self, observation: Observation, robot: int) -> None:
         """Localize, plan and set off; or look around."""
         state = self.states[robot]
-        found = self._localized(observation, state) or self._novel(observation, state)
+        found = self._localized(observation, state)
         if found is None:
             self._look_around(observation, robot)
             return
@@ -305,19 +305,6 @@ class LTVNNavigation:
                 return int(candidates[best]), kind, None, waypoints[best]
         return presumed
 
-    def _novel(
-        self, observation: Observation, state: RobotState
-    ) -> tuple[int, str, Edge | None, Array] | None:
-        """Where it cannot localize, a robot is at a new image, if it sees the map from there."""
-        after, rules = self._settings.novel, self._map.rules
-        if not self._mends or after is None or state.searched * STEP < after:
-            return None
-        reachable, waypoints = self._map.pool.seen_from(observation, self._map.vertices)
-        limits = rules.connect * self._upkeep.rules.loosened, rules.most_turn
-        if not is_connectable(reachable > rules.reachable, waypoints, *limits).any():
-            return None
-        return self._map.add(observation), "trusted", None, np.zeros(3)
-
     def _seen(self, observation: Observation, vertices: NDArray[np.intp]) -> tuple[Array, Array]:
         """r-hat (V,) and poses (V, 3) of vertices: seen from the robot, or the robot from them.
 
@@ -359,8 +346,9 @@ class LTVNNavigation:
         return paths[min(whole, key=whole.__getitem__)] if whole else None
 
     def _look_around(self, observation: Observation, robot: int) -> None:
-        """Turn in place, up to `search` seconds."""
+        """Turn in place, up to `search` seconds; then it is no longer where it arrived."""
         state = self.states[robot]
+        state.trusted = None
         if state.searched == 0:
             self._rotation.begin(np.array([robot]), observation.odometry, np.array([_ALL]))
         state.searched += 1

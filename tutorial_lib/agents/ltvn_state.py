@@ -31,8 +31,6 @@ class TravelSettings:
         trust: whether a robot that arrived counts as being there.
         patience: seconds that an edge which failed is avoided.
         search: seconds of turning after which a robot that cannot localize gives up.
-        novel: seconds after which what it sees becomes a vertex, if it can drive to one from there;
-            never if None.
         slow: seconds a metre after which a traversal has failed, and `spare` seconds more.
         spare: see `slow`.
     """
@@ -48,7 +46,6 @@ class TravelSettings:
     trust: bool = True
     patience: float = 60.0
     search: float = 20.0
-    novel: float | None = None
     slow: float = 3.0
     spare: float = 3.0
 
@@ -57,8 +54,6 @@ class TravelSettings:
             number(name, getattr(self, name), least=0.0, most=1.0)
         for name in ("localize", "executed", "arrival", "goal", "search", "slow"):
             number(name, getattr(self, name), above=0.0)
-        if self.novel is not None:
-            number("novel", self.novel, least=0.0, most=self.search)
         for name in ("patience", "spare"):
             number(name, getattr(self, name), least=0.0)
 

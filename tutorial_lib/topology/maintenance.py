@@ -116,7 +116,7 @@ class MaintenanceRules:
             each time that it is pruned again; 0 for never (ours).
         returns_blocked: the same where something stood in the way, always as many (ours).
         expand: whether unused images are tried where no path is left.
-        loosened: D_c times this for such images and for novel ones.
+        loosened: D_c times this for such images.
     """
 
     succeeds: dict[str, float] = field(

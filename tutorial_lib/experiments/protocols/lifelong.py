@@ -195,7 +195,7 @@ def joined_outcomes(parts: Sequence[Outcome]) -> Outcome:
 
 
 def image_poses(building: Building, agent: LTVNAgent) -> Array:
-    """Poses (M, 3) at which the M images of the drives were taken; the agent never gets them."""
+    """Poses (M, 3) at which the images of an agent's pool were taken; it never gets them."""
     recorded, pool = building.recorded, agent.sampled.pool
-    first = recorded.first_frames[pool.drive[: len(agent.frames)]]
+    first = recorded.first_frames[pool.drive]
     return recorded.poses[first + agent.frames]

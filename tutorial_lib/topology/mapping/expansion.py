@@ -29,7 +29,7 @@ def expanded(
     Args:
         sampled: the map.
         upkeep: of its graph; what is kept is an event.
-        here: image where the path begins; no vertex yet where the robot could not localize.
+        here: where the path begins.
         exits: vertices where it may end.
         avoided: edges that it does not use.
 
@@ -41,7 +41,7 @@ def expanded(
     graph = sampled.graph.copy()
     graph.remove_edges_from(avoided)
     path = _through_new(sampled, upkeep, graph, here, exits) if upkeep.rules.expand else None
-    if path is None and here in sampled.graph and _path(sampled.graph, here, exits) is None:
+    if path is None and _path(sampled.graph, here, exits) is None:
         graph = sampled.graph.copy()
         graph.add_edges_from(
             (*edge, known) for edge, known in upkeep.pruned.items() if edge not in avoided

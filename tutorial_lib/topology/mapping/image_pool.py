@@ -45,8 +45,7 @@ class ImagePool:
         model: LTVN's, see `RelativeModel`.
         observations: (M,) what was seen.
         prepared: (M,) the images as targets.
-        drive, frame: (M,) the drive that each belongs to, and its number there; a drive of its own
-            for one that was seen while navigating.
+        drive, frame: (M,) the drive that each belongs to, and its number there.
         reachable: (M, M) r-hat from each image to each.
         waypoints: (M, M, 3) the pose of each, as predicted from each.
     """

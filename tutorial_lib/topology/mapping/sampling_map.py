@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.interfaces import Observation, RelativeModel
+from tutorial_lib.interfaces import RelativeModel
 from tutorial_lib.se2 import Array, inverse, wrap
 from tutorial_lib.topology.mapping.image_pool import ImagePool, length, support
-from tutorial_lib.topology.mapping.sparsify import contextified
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings, turns_among
 from tutorial_lib.validation import flag, instance, integers, number, one_of, whole
 
@@ -188,23 +187,6 @@ class SampledMap:
             "reverse": reverse,
             "cost": cost * ((self.rules.reverse or 1.0) if reverse else 1.0),
         }
-
-    def add(self, observation: Observation) -> int:
-        """Add an image to the pool that was seen while navigating; it is unused (LTVN).
-
-        Args:
-            observation: of one robot.
-
-        Returns:
-            Its index.
-        """
-        pool, model = self.pool, self.pool.model
-        contexts = contextified(model.view.of(observation), model.k)
-        drive = np.array([pool.drive.max(initial=-1) + 1])
-        (image,) = pool.add(observation, contexts, drive, np.zeros(1, dtype=np.intp)).tolist()
-        self.sure, self.accepted = sure_pairs(pool, self.rules), supported_pairs(pool, self.rules)
-        self.unused.add(image)
-        return image
 
     def join(self, edges: Sequence[tuple[int, int]]) -> None:
         """Add edges of a new image, and those in reverse where nothing leads back."""
