@@ -5,7 +5,7 @@
 #
 # In a minute the robot will drive there, once, by magic. Then the magic's gone, and over ten notebooks you'll build it yourself.
 #
-# **15 minutes.** No code to write: click the first cell, and press *Shift + Enter* repeatedly. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
+# **20 minutes.** No code to write: click the first cell, and press *Shift + Enter* repeatedly. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
 
 # %%
 from tutorial_lib.checks.nb00 import check_environment
@@ -123,7 +123,7 @@ print(f"Hello, {robot}!")
 #
 # Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads mark those it kept, and thin lines lead from one to another. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no coordinates**.
 #
-# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Watch what it does when it meets them. The cell takes about 20 s.
+# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Where they block the view, it coasts on, and looks for its next image again. The cell takes about 20 s.
 
 # %% hidden=true
 # It learns a map of the flat, and drives to the photo
@@ -133,7 +133,7 @@ print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"{robot} {outcome.ending}, after {outcome.seconds:.0f} s")
 frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
-play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 s
+play(frames, 5, times=np.linspace(0.0, outcome.seconds, len(frames)), count=3)
 
 # %% [markdown]
 # That's the whole course in a minute. How does it work?
@@ -209,7 +209,7 @@ display(twins)
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Each car's odometry errs by about 5 % of each distance and turn, and its heading drifts a little.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Each car's wheels have errors of their own that stay: about 5 % of each distance and turn. Its heading drifts a little, too.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)

@@ -3,7 +3,7 @@
 #
 # **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the hallway door, and you hold up a photo taken beyond it. All it has is two images. *Which way should it steer?*
 #
-# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks: your own loop trains it in ten seconds. By the end, your robot nearly always reaches the place in the photo.
+# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own loop trains a small one in ten seconds; with one that was trained for an hour, your robot nearly always reaches the place in the photo.
 
 # %% hidden=true
 # What the robot sees, and the photo (about 10 s)
@@ -158,7 +158,7 @@ steer = Prediction(
 display(steer)
 
 # %% [markdown]
-# **120 minutes.** Two sittings: 50 and 70. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **55 minutes, then 80.** The second sitting begins with section 6. You need notebook 01: frames, the car, the camera. A little linear algebra helps: a matrix times a vector, and a transpose. You need no experience with neural networks. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -172,7 +172,7 @@ display(steer)
 # It knows the floor plan and the robot's position, and so shows what's possible. You compare your robot with it.
 # </details>
 #
-# # First sitting · a driver (50 minutes)
+# # First sitting · a driver (55 minutes)
 #
 # ## 1 · Two halves
 #
@@ -590,7 +590,7 @@ display(corner)
 #
 # **Stop here.** That's fifty minutes: three functions, and a car that drives to a point in sight. Who tells it which point? When you come back, it'll look for itself.
 #
-# # Second sitting · learning to look (70 minutes)
+# # Second sitting · learning to look (80 minutes)
 #
 # ## 6 · Which point?
 #
@@ -874,7 +874,7 @@ display(columns)
 #
 # ## 8 · Ten seconds of school
 #
-# For each pair of images the network learns the waypoint, the cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks each took less than an hour to train, in 120 worlds. You write a small version of their training loop, and keep it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
+# For each pair of images the network learns the waypoint, the cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of these three errors, and in training of a fourth, of where the network says that the photo was taken ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks each took less than an hour to train, in 120 worlds. You write a small version of their training loop, and keep it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
 #
 # The test is 40 episodes: the car starts up to 1 m to the side of a drive, turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before learning anything, the network drives like this:
 
@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes a fourth error, of where the network says that the photo was taken.
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes the fourth error.
 
 # %%
 training_pairs = Source(

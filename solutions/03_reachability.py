@@ -208,7 +208,7 @@ bet = Prediction(
 display(bet)
 
 # %% [markdown]
-# **120 minutes.** Take a break after section 4. Sections 7 to 9 fill a second sitting, another 40 minutes. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes, then 40.** Take a break after section 4. The second sitting begins with section 7. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -1093,7 +1093,7 @@ if sure.any():
 #
 # ## 6 · Your own sixty
 #
-# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and five networks are trained on everything, each from different initial weights. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
+# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and a network is trained on everything. All that happens five times, with another `rng` and other initial weights each time: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
 #
 # The **score** is the share of the squared error that's removed, in percent: 0 is a network that always predicts the average, 100 one that's always right. Below 0 is worse than no network at all. Beat the 300 alone, 60 at random, and the 60 look-alikes the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
@@ -1163,27 +1163,26 @@ know_nothing = half_and_half(np.full(len(truth), average), np.full(len(far_featu
 
 
 def score_pairs(choose):
-    """How many of the chosen arrive, far pairs above one half, AUC, and the score of a choice."""
-    picked = np.unique(np.asarray(choose(pool, np.random.default_rng(0)), dtype=int))
-    if len(picked) > 60:
-        raise ValueError(f"{len(picked)} pairs; choose at most 60")
-    picked = easy + picked
-    outcomes = np.zeros(len(picked))
-    outcomes[~occluded[picked]] = roll_out_pool(picked[~occluded[picked]])
-    weight = 0.4 / 0.6 * easy / max(len(picked), 1)
-    weights = np.concatenate([np.ones(easy), np.full(len(picked), weight)])
-    rows = np.concatenate([np.arange(easy), picked])
+    """Of five choices how many arrive, far pairs above one half, AUC, and the score; means."""
     found = []
     for seed in range(5):
-        network, _ = train_quick(
-            pool_features[rows], np.concatenate([easy_labels, outcomes]), weights, seed
-        )
+        picked = np.unique(np.asarray(choose(pool, np.random.default_rng(seed)), dtype=int))
+        if len(picked) > 60:
+            raise ValueError(f"{len(picked)} pairs; choose at most 60")
+        picked = easy + picked
+        outcomes = np.zeros(len(picked))
+        outcomes[~occluded[picked]] = roll_out_pool(picked[~occluded[picked]])
+        weight = 0.4 / 0.6 * easy / max(len(picked), 1)
+        weights = np.concatenate([np.ones(easy), np.full(len(picked), weight)])
+        rows = np.concatenate([np.arange(easy), picked])
+        labels = np.concatenate([easy_labels, outcomes])
+        network, _ = train_quick(pool_features[rows], labels, weights, seed)
         ordinary = quick_logits(network, ordinary_features)
         far = sigmoid(quick_logits(network, far_features))
         score = 100 * (1 - half_and_half(sigmoid(ordinary), far) / know_nothing)
-        found.append([np.mean(far > 0.5), auc(ordinary, truth), score])
-    alike, ranking, score = np.mean(found, axis=0)
-    return int(outcomes.sum()), float(alike), float(ranking), round(float(score), 1)
+        found.append([outcomes.sum(), np.mean(far > 0.5), auc(ordinary, truth), score])
+    arrive, alike, ranking, score = np.mean(found, axis=0).tolist()
+    return arrive, alike, ranking, round(score, 1)
 
 
 def surest_lookalikes(pool, rng):
@@ -1193,7 +1192,7 @@ def surest_lookalikes(pool, rng):
 
 league = League(
     "03",
-    {"chosen that arrive": "d", "far pairs above 0.5": ".0%", "AUC": ".3f", "score": ".1f"},
+    {"chosen that arrive": ".0f", "far pairs above 0.5": ".0%", "AUC": ".3f", "score": ".1f"},
     {
         "the 300 alone": score_pairs(lambda pool, rng: []),
         "60 at random": score_pairs(lambda pool, rng: rng.permutation(len(pool.predicted))[:60]),
@@ -1213,7 +1212,7 @@ else:
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
 # <i>Look-alikes that fool the network, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. This choice leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
-# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs roughly equal the best choice to beat. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
+# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs do nearly as well. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory

@@ -194,7 +194,7 @@ trip = Prediction(
 display(trip)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 and 10 fill a second sitting, another 35 minutes. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes, then 35.** The second sitting begins with section 9. You need notebooks 03 and 04: RE ($\mathcal{RE}$ in formulas), which predicts the probability that the controller gets from one image to another, and [[anchor]]s, the few images of a drive worth keeping. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #

@@ -3,7 +3,7 @@
 #
 # **The photo on the fridge.** *Take me here*, it says, and tonight your robot is parked at D. Twelve drives made its map, and two paths on that map lead to the photo.
 #
-# Green goes through walls. You saw that at once; the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more hops, each nearly sure. *Will all the amber hops work?*
+# Run the first cell. Green goes through walls: you see that at once, the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more hops, each nearly sure. *Will all the amber hops work?*
 #
 # By the end your robot will plan, refuse, get lost, and find a lie in a map. Then it'll drive home, on your code.
 
@@ -208,7 +208,7 @@ hops = Prediction(
 display(hops)
 
 # %% [markdown]
-# **120 minutes.** Sections 9 to 12 are for a second sitting, another 30 minutes. You need notebooks 04 and 05: a follower that drives along anchors, and a map whose edges carry RE, written $\mathcal{RE}$ in formulas. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes, then 85.** The second sitting begins with section 6. You need notebooks 04 and 05: a follower that drives along anchors, and a map whose edges carry RE, written $\mathcal{RE}$ in formulas. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -546,7 +546,7 @@ show(
 #
 # All others have defaults, in a table at the end.
 #
-# Getting lost teaches something. The robot knows *which* vertex it couldn't reach, and it stands somewhere else now, with a new view. So it **replans** from there (III-G). Ours also **excludes** the vertex that it missed, or it might make the same plan again.
+# Getting lost teaches something. The robot knows *which* vertex it couldn't reach, and it stands somewhere else now, with a new view. So it **replans** from there (III-G). Your `navigate` will also **exclude** the vertex that it missed, or it might make the same plan again.
 #
 # <details><summary>Wouldn't it be better to exclude the edge?</summary>
 # Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one by one, and fail at each. On the other hand, a vertex may be hard to reach from one side and easy from another. The library takes a middle course: it excludes the edge and those next to it, for only two minutes. In the paper, nothing is excluded; the new view alone makes the new plan differ.
@@ -862,7 +862,7 @@ sliders(
 #
 # ## 6 · Start, or refuse?
 #
-# Thirty-two robots start anywhere in this building, many facing sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen are for you to study. Look at the vermilion ones: what do their plans have in common?
+# **Second sitting.** Thirty-two robots start anywhere in this building, many facing sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen are for you to study. Look at the vermilion ones: what do their plans have in common?
 
 # %% hidden=true
 # Thirty-two robots, one plan each (about 15 s)
@@ -1036,12 +1036,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots above; other robots test them.
+# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots to study; other robots test them.
 # </details>
 #
 # ## 7 · A lie in the map
 #
-# A colleague has built a map from the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]**.
+# A colleague has built a map from the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]** here, even if it runs along a straight corridor.
 
 # %% hidden=true
 # The colleague's map, and the plans on it
@@ -1150,7 +1150,7 @@ rows = [[str(edge), *both] for edge, both in counts.items() if both[1] < both[0]
 table({"edge, not always passed": "", "tried": "d", "passed": "d"}, rows)
 
 # %% [markdown]
-# **Which edge is it?** Write it down before you go on. That edge should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips happen once in a million.
+# **Which edge is it?** Write it down before you go on. That edge should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips would happen once in a million.
 #
 # Now remove it. The pictures show two old plans; the titles describe the new ones.
 
@@ -1487,11 +1487,11 @@ play([cv2.resize(film[i], (882, 532)) for i in numbers], 2, robot.seconds, count
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table says "the library", there's still something to write.
 #
-# **Close the notebook and draw the pipeline**, from twelve drives to the fridge, with your function names. Then call it a day.
+# **Close the notebook and draw the pipeline**, from twelve drives to the fridge, with your function names.
 #
 # ## 9 · What a plan's number is worth
 #
-# **Second sitting.** In the challenge, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows them after a calibration like notebook 03's, fitted on other worlds.
+# In the challenge, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows them after a calibration like notebook 03's, fitted on other worlds.
 
 # %% hidden=true
 # The twin of Fig. 9, from a stored run
@@ -1576,7 +1576,7 @@ luck = Prediction(
     {"A": "above the diagonal", "B": "on it", "C": "below it"},
     right="A",
     robot=f"in world 2 its paths promise {came_true[1][0]:.2f} on average, and "
-    f"{came_true[1][1]:.2f} come true. In world 3 it's {came_true[2][1]:.2f}; in world 4 they "
+    f"{came_true[1][1]:.2f} come true. In world 3, {came_true[2][1]:.2f} do; in world 4 they "
     f"promise {came_true[3][0]:.2f}, and {came_true[3][1]:.2f} come true.",
     tempting="C",
     because="bad luck strikes the whole path. But so does good luck: a path then fails about as "
@@ -1587,7 +1587,7 @@ luck = Prediction(
 display(luck)
 
 # %% [markdown]
-# Shared luck and a second chance make the product too low; choosing the best makes it too high. In Fig. 9, choosing outweighs both. Many robots face sideways at first, no vertex is really ahead, and one false first hop undoes nine good ones after it.
+# Shared luck and a second chance make the product too low; choosing the best makes it too high. In world 4 the gap is small; in Fig. 9, choosing outweighs both. Many robots face sideways at first, no vertex is really ahead, and one false first hop undoes nine good ones after it.
 #
 # There's another reason, which no made-up world shows. RE of an edge is computed from the *anchor's photo*, but the robot arrives next to the anchor, a little turned. So what remains is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
 #

@@ -132,7 +132,7 @@ display(again)
 # **Three old questions first.**
 #
 # <details><summary>Notebook 06: a robot can't reach a vertex. What does it leave out of its next plan, and for how long?</summary>
-# The edge that failed and those next to it, for two minutes. Then the failure's forgotten, and the map never hears of it.
+# Your <code>navigate</code>: the vertex and those beside it, for the rest of the drive. The library: the edge that failed and those next to it, for two minutes. Then the failure's forgotten, and the map never hears of it.
 # </details>
 # <details><summary>Notebook 05: when does a new drive remove an old vertex?</summary>
 # When it passes the vertex, and RE to the vertex stays low all the way past. A drive that doesn't pass has no say.

@@ -150,7 +150,7 @@ ways = Prediction(
 display(ways)
 
 # %% [markdown]
-# **110 minutes.** Sections 9 and 10 are for a second sitting, another 20 minutes. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
+# **90 minutes, then 95.** The second sitting begins with section 6. You need notebooks 01, 03 and 05: frames, calibrated probabilities, and a map whose vertices are images. Section 10 also uses 06's planner. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow D. S. Chaplot, R. Salakhutdinov, A. Gupta and S. Gupta, [*Neural Topological SLAM for Visual Navigation*](https://arxiv.org/abs/2005.12256), CVPR 2020.
 #
 # **Three old questions first.**
 #
@@ -168,7 +168,7 @@ display(ways)
 #
 # This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its wheels and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. Dark dots are where it looked around; the darker a purple dot, the more promising it looks. The green ring is where it's going. The compass rose has a bar for each of twelve directions: the longer, the better. Bars are purple where there's a purple dot, green where it's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**, a little off: the arrowhead is where the wheels say the robot is. Dark dots are where it looked around; the darker a pink dot, the more promising it looks. The green ring is where it's going. The compass rose has a bar for each of twelve directions, 0 ahead and on to the left: the longer, the better. Bars are pink where there's a pink dot, green where it's going.
 #
 # The cell takes about 5 s. Move the slider, and guess where the goal is. Only then choose *shown*.
 
@@ -250,7 +250,7 @@ def episode_at(step, truth):
     images = [around(done.goal_poses[0], 530), around(moment.pose, 530)]
     picture = stacked([both, stacked(images, ["the goal", "what it sees now"], gap=4)], gap=4)
     aim = "it knows where the goal is" if moment.found else "it goes to the green ring"
-    return picture, f"{len(moment.nodes)} dark dots, {len(moment.ghosts)} purple ones; {aim}"
+    return picture, f"{len(moment.nodes)} dark dots, {len(moment.ghosts)} pink ones; {aim}"
 
 
 sliders(
@@ -273,11 +273,9 @@ print(
 )
 
 # %% [markdown]
-# What's odd? Until it sees the goal, it never heads for it. It heads for purple dots: unexplored places 3 m from a dark dot.
+# What's odd? Until it sees the goal, it never heads for it. It heads for pink dots: unexplored places 3 m from a dark dot.
 #
 # Such a dot is a **[[ghost node]]**: a direction that may lead on. It belongs to a dark dot: a **[[node]]**, which stores a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts it didn't take stay where they are: *they're* its memory of the doors it passed.
-#
-# And the white map is a little off: the arrowhead is where the wheels say the robot is.
 #
 # ## 2 · Four questions
 #
@@ -320,7 +318,7 @@ for i, place in enumerate(("in the hallway", "near the goal")):
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# Purple is where $\mathcal F_G$ sees a way on; dark arcs are the true scores. $\mathcal F_S$ needn't be right about metres: if every score is 0.1 too high, the bars keep their order.
+# Pink is where $\mathcal F_G$ sees a way on; dark arcs are the true scores. $\mathcal F_S$ needn't be right about metres: if every score is 0.1 too high, the bars keep their order.
 #
 # <details><summary>Near the goal, the longest bar needn't point at the goal. Why not?</summary>
 # A bar scores a point up to 3 m away, which may lie beyond the goal. Near the goal, $\mathcal F_R$ decides, not $\mathcal F_S$.
@@ -409,8 +407,8 @@ networks = [local_picture(free_maps[i], by_network[i]) for i in three]
 small = Prediction(
     "09",
     "small",
-    "Dark is where the robot's middle can't be; white is free, or not seen. The circle's radius "
-    "is 3 m. At which place does no direction lead on?",
+    "Dark is where the robot's middle can't be; white is free, or not seen. The robot, drawn "
+    "large, is in the middle of a circle of 3 m. At which place does no direction lead on?",
     {"A": "at A", "B": "at B", "C": "at C", "D": "at none of them"},
     right="B",
     robot=f"of 60 places in the flat, {(counts == 0).sum()} have no direction that leads on. "
@@ -434,7 +432,7 @@ display(small)
 #
 # ## 4 · A new node
 #
-# Your robot stood at node 0, drove to its ghost in direction 2, and looked around. Now node 1 is there. Each node counts directions from its own heading, the blue arrowhead. The ghosts of both are purple.
+# Your robot stood at node 0, drove to its ghost in direction 2, and looked around. Now node 1 is there. Each node counts directions from its own heading, the blue arrowhead. The ghosts of both are pink.
 
 
 # %% hidden=true
@@ -741,7 +739,7 @@ spl = check_spl.use(spl)
 # | `robot.beside()` | poses, in its frame, of the nodes beside it, including the one it came from, as `add_ghosts` takes them |
 # | `robot.explorable()`, `robot.scores()` | $\mathcal F_G$ and $\mathcal F_S$: arrays (12,) |
 # | `robot.remember(node)` | keeps what it sees here as the panorama of a new node; number them 0, 1, 2, … |
-# | `robot.to_node(node)` | drives to a neighbour of the node where it is |
+# | `robot.to_node(node)` | drives to a neighbour of the node where it is; `node()` then tells where it got |
 # | `robot.to_ghost(ghost)` | drives to a ghost of the node where it is; True if it arrives, False if it can't |
 #
 # ### Exercise 5 · `explore` (large, 35 minutes)
@@ -750,7 +748,7 @@ spl = check_spl.use(spl)
 #
 # 1. If it sees the goal, drive there; if that returns True, you're done. Otherwise, go on to step 2.
 # 2. Which node is it in? If none, **or if it's just arrived at a ghost**, make a new one: a node of the graph, an edge with its `metres` to each node beside it, the ghosts by `add_ghosts`, and a score for each of its directions; then `remember`.
-# 3. Ask `global_policy`, without a goal, for the next node. If no ghost is left, you're done. If the next node is another one, drive there, and begin the next round.
+# 3. Ask `global_policy` for the next node, without a goal: the robot would know the goal's node only once it sees it. If no ghost is left, you're done. If the next node is another one, drive there, and begin the next round.
 # 4. Otherwise, the ghost belongs to this node: drive to it. Reached or not, remove the ghost: it's explored, or can't be reached.
 #
 # <details><summary>Which of these rules aren't the paper's?</summary>

@@ -43,6 +43,8 @@ def test_what_is_folded_or_imported_may_be_long(tmp_path):
 def test_the_minutes_are_those_at_the_top(tmp_path):
     source = tmp_path / "01_a.py"
     source.write_text("# # A\n#\n# **85 minutes.** More.\n")
-    assert minutes_of(source) == 85
+    assert minutes_of(source) == "85"
+    source.write_text("# # A\n#\n# **85 minutes, then 20.** More.\n")
+    assert minutes_of(source) == "85 + 20"
     source.write_text("# # A\n")
-    assert minutes_of(source) == 0
+    assert minutes_of(source) == ""

@@ -18,7 +18,7 @@ WIDEST = 79
 """Columns of an exercise's docstrings: a page 900 pixels wide shows that many."""
 HINTS = ("Hint 1: concept", "Hint 2: approach", "Hint 3: one line")
 _HEADER = r"### Exercise \d+ · `{name}` \((easy|medium|hard|large), (\d+) minutes\)"
-_MINUTES = re.compile(r"\*\*(\d+) minutes\.\*\*")
+_MINUTES = re.compile(r"\*\*(\d+) minutes(?:, then (\d+))?\.\*\*")
 _PAPER = re.compile(r"https://(arxiv\.org|doi\.org)/")
 _SHORTEST = 12  # characters of a statement that a hint may hold
 
@@ -38,10 +38,10 @@ def check_standard(notebook: NotebookNode, source: Path, solutions: dict[str, st
         raise InputError(f"{source.name}: {fault}")
 
 
-def minutes_of(source: Path) -> int:
-    """The minutes that a notebook takes a student, as it says at its top; 0 if it does not."""
+def minutes_of(source: Path) -> str:
+    """The minutes of a notebook's sittings, as "115 + 60"; "" if it does not say them at its top."""
     found = _MINUTES.search(source.read_text(encoding="utf-8"))
-    return int(found[1]) if found else 0
+    return " + ".join(filter(None, found.groups())) if found else ""
 
 
 def _faults(notebook: NotebookNode, stem: str, solutions: dict[str, str]) -> Iterator[str]:
@@ -51,7 +51,7 @@ def _faults(notebook: NotebookNode, stem: str, solutions: dict[str, str]) -> Ite
     if not solutions:
         return
     if not _MINUTES.search(texts):
-        yield "its top does not say **N minutes.**; measure them"
+        yield "its top does not say **N minutes.** or **N minutes, then M.**; measure them"
     if not _PAPER.search(texts):
         yield "no link to a paper (https://arxiv.org/... or https://doi.org/...); add one"
     large = []

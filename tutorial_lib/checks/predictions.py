@@ -55,12 +55,12 @@ class Prediction:
     name: str
     ask: str
     options: Mapping[str, str]
-    right: str
-    robot: str
-    tempting: str
-    because: str
-    before: Picture
-    after: Picture | None = None
+    right: str = field(repr=False)
+    robot: str = field(repr=False)
+    tempting: str = field(repr=False)
+    because: str = field(repr=False)
+    before: Picture = field(repr=False)
+    after: Picture | None = field(default=None, repr=False)
     choice: str = field(default="", init=False)
     _answer_picture: Picture = field(init=False, repr=False)
     _panel: PressPanel | None = field(default=None, init=False, repr=False)
@@ -134,9 +134,10 @@ class Prediction:
         return [f"{letter}: {words}" for letter, words in self.options.items()]
 
     def _answer(self) -> list[str]:
+        right = f"The right answer is {self.right}: {self.options[self.right]}."
         return [
             f"{robot_name()}: {self.robot}",
-            f"The right answer is {self.right}: {self.options[self.right]}.",
+            *([right] if self.choice != self.right else []),
             f"{self.tempting} tempts: {self.because}",
         ]
 
