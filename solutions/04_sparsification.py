@@ -893,10 +893,10 @@ five = Prediction(
         "B": "the pushed and the turned one",
         "C": "only the turned one",
     },
-    right="A" if arrives[2] else "B",
+    right="A",
     robot=f"{sum(arrives)} of the four arrive. The carried one knows that it's lost "
     f"{(np.argmax(states[:, AWAY] == State.LOST) - WHEN) * STEP:.0f} s after it was put down.",
-    tempting="B" if arrives[2] else "A",
+    tempting="B",
     because="the person hides what the robot looks for. That lasts only seconds at a time, and "
     "meanwhile it coasts. The pushed one isn't told of the push; it still sees its anchor.",
     before=side_by_side(halves, gap=24),

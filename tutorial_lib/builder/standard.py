@@ -39,7 +39,7 @@ def check_standard(notebook: NotebookNode, source: Path, solutions: dict[str, st
 
 
 def minutes_of(source: Path) -> str:
-    """The minutes of a notebook's sittings, as "115 + 60"; "" if it does not say them at its top."""
+    """The minutes of a notebook's sittings at its top, as "115 + 60"; "" if there are none."""
     found = _MINUTES.search(source.read_text(encoding="utf-8"))
     return " + ".join(filter(None, found.groups())) if found else ""
 

@@ -115,6 +115,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="for places that look alike (notebook 07): each alone, all but one, or all",
     )
     parser.add_argument("--body", choices=BODIES, default=ROUND, help="of robots that explore")
+    parser.add_argument(
+        "--robot",
+        default="",
+        metavar="FILE.py:NAME",
+        help="what makes the body of the robots, as a car of other sizes; networks stay the same",
+    )
 
 
 def _drives(text: str) -> str:

@@ -4,21 +4,28 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
-from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.driving.control.three_point import Stillness, ThreePointTurn
 from tutorial_lib.geometry import wrap
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 
-def turned(scene, starts, angles, steps):
-    """Headings turned (T, N) and metres from the start (T, N) of cars that turn by `angles`."""
+def turned(scene, starts, angles, steps, back=False):
+    """Headings turned (T, N) and metres from the start (T, N) of cars that turn by `angles`.
+
+    With `back` they turn to the other side where they are stuck.
+    """
     simulation = Simulation(scene, starts, sensors=Sensors(camera=None))
     robots, before = np.arange(len(simulation)), simulation.poses
     turn = ThreePointTurn(len(simulation))
     turn.begin(robots, simulation.odometry, np.asarray(angles, dtype=float))
     total, found, off = np.zeros(len(simulation)), [], []
+    stillness = Stillness(len(simulation))
     for _ in range(steps):
         last = simulation.poses
+        if back:
+            stuck = stillness.stuck(robots, simulation.odometry)
+            turn.turn_back(robots[stuck], simulation.odometry[stuck])
         simulation.step(turn.act(simulation.observe(), robots))
         total = total + wrap(simulation.poses[:, 2] - last[:, 2])
         found.append(total)
@@ -52,6 +59,22 @@ def test_beyond_the_heading_it_turns_back():
     assert 1.9 < total.max() < 3.0
     last = total[100:, 0]
     assert last.min() < 1.2
+
+
+def test_a_car_that_is_wedged_gets_out_to_the_other_side():
+    scene, starts = Scene(make_box()), [[0.271, 0.381, 1.35], [0.285, 0.312, 1.955]]
+    wedged, _, _ = turned(scene, starts, [np.pi] * 2, 150)
+    assert np.abs(wedged).max() < 1.0
+    total, _, turn = turned(scene, starts, [np.pi] * 2, 150, back=True)
+    assert (total.min(axis=0) < 0.2 - np.pi).all()
+    assert turn.seconds == pytest.approx([15.0, 15.0])
+
+
+def test_a_robot_is_stuck_once_it_has_stood_still_for_a_second_and_a_robot_that_moves_never():
+    stillness, robots = Stillness(2), np.arange(2)
+    stuck = [stillness.stuck(robots, np.array([[1.0, 1.0, 0.0], [t, 0.0, 0.0]])) for t in range(30)]
+    assert np.flatnonzero([one[0] for one in stuck]).tolist() == [11, 22]
+    assert not any(one[1] for one in stuck)
 
 
 def test_only_the_given_robots_turn():

@@ -9,14 +9,17 @@ import pytest
 
 from tests.conftest import in_turn, make_box, needs
 from tutorial_lib.agents.ltvn import TURNS, LTVNAgent
+from tutorial_lib.driving.data.demonstrations import demonstrate_between
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.ltvn import change, finetune, label, lifelong, model, spurious
 from tutorial_lib.experiments.protocols import navigation, navigation_tasks
 from tutorial_lib.experiments.protocols.lifelong import (
+    Informed,
     TrueModel,
     deep_experiences,
+    deep_goals,
     image_poses,
     run_queries,
 )
@@ -27,6 +30,7 @@ from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.world.floorplan import Door
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import Sensors, Simulation
 
 
 @pytest.fixture(scope="module")
@@ -155,16 +159,37 @@ def test_a_door_that_closes_costs_the_map_that_does_not_change_more(building, mo
     monkeypatch.setattr(
         change, "prepared_agent", lambda where, name, _: learned(where, **kinds[name])
     )
-    settings = change.Settings(agents=("ltvn", "frozen"), queries=2, block=1, fleet=2)
-    rows, notes = change.run(Options(worlds=(20_002,)), settings)
+    settings = change.Settings(agents=("ltvn", "frozen", "oracle"), queries=2, block=1, fleet=2)
+    rows, (note, *differences) = change.run(Options(worlds=(20_002,)), settings)
     assert [(row["agent"], row["phase"], row["block"]) for row in rows] == [
         (name, phase, block)
-        for name in ("ltvn", "frozen")
+        for name in settings.agents
         for phase in change.PHASES
         for block in (0, 1)
     ]
     assert all(row["queries"] == 1 and row["seconds"] > 0 for row in rows)
-    assert notes == ["1 of 1 worlds have a door with a detour"]
+    assert note == "1 of 1 worlds have a door with a detour"
+    by_name = {one.what: one.value for one in differences}
+    assert by_name["frozen open again - frozen open"] == 0.0  # the same queries on the same map
+    assert {"oracle closed - oracle open", "ltvn closed - frozen closed"} <= set(by_name)
+
+
+def test_a_detour_counts_only_where_it_ends_facing_as_the_goal_image_does(building):
+    """People across the way between the pillars: who goes around may come from the other side."""
+    people = np.array([[7.5, y] for y in np.arange(2.0, 7.2, 0.34)])
+    pairs = np.arange(len(building.pairs))
+    found = change._around(building, people, pairs)
+    starts = building.recorded.poses[building.recorded.first_frames]
+    around = paths_around(building, people)
+    goals = building.places[building.pairs[:, 1]]
+    shown = demonstrate_between(building.name, building.scene, around, starts, goals, 0)
+    for pair, one in zip(pairs.tolist(), shown, strict=True):
+        usual = building.recorded.trajectories[pair].poses[-1, 2]
+        alike = one is not None and abs(wrap(one.poses[-1, 2] - usual)) <= change.ALIKE
+        longer = around.between(starts[[pair], :2], goals[[pair]])
+        longer = longer / building.paths.between(starts[[pair], :2], goals[[pair]])
+        assert (pair in found) == (alike and longer[0] <= change.DETOUR)
+    assert 0 < len(found) < len(pairs)
 
 
 def test_paths_lead_around_people_in_a_door(building):
@@ -197,15 +222,30 @@ def test_a_spoilt_map_has_as_many_edges_of_which_some_lead_far(building):
 
 @pytest.mark.full
 def test_every_agent_has_a_row_for_each_block(monkeypatch):
-    pairs = (("ltvn", "oracle"), ("frozen", "oracle"), ("oracle", "oracle"))
-    settings = lifelong.Settings(agents=pairs, queries=4, block=2, fleet=2)
+    asked = (("ltvn", "oracle", 6), ("frozen", "oracle", 4), ("oracle", "oracle", 2))
+    settings = lifelong.Settings(asked, block=2, fleet=2)
     rows, gaps = lifelong.run(Options(worlds=(20_001,)), settings)
     keys = [(row["agent"], row["block"]) for row in rows]
-    assert keys == [(name, block) for name, _ in pairs for block in (0, 1)]
+    assert keys == [(name, block) for name, _, count in asked for block in range(count // 2)]
     assert all(0 <= row["success"] <= 1 and row["queries"] == 2 for row in rows)
-    assert rows[0]["vertices"] == rows[2]["vertices"] > 10
+    assert rows[0]["vertices"] == rows[3]["vertices"] > 10
     assert rows[-1]["vertices"] is None
-    assert any("ltvn - frozen" in gap.what for gap in gaps)
+    assert [gap.what.partition(", ")[2] for gap in gaps] == [
+        *(f"queries {some}, oracle: ltvn - frozen" for some in ("1 to 2", "3 to 4", "1 to 4")),
+        "queries 1 to 2, oracle: ltvn - oracle",
+    ]
+
+
+def test_a_robot_that_looks_around_is_no_longer_where_it_arrived(building, queries):
+    agent = learned(building)
+    navigation = agent.start(deep_goals(queries.subset(np.zeros(1, int)), agent.model))
+    (state,) = navigation.states
+    state.exits = {}  # no path leads to the goal
+    state.trusted = int(agent.sampled.vertices[0]), "trusted", None, np.zeros(3)
+    simulation = Simulation(building.scene, queries.starts[:1], sensors=Sensors(with_depth=True))
+    Informed(navigation, agent.model, simulation).act(simulation.observe(), np.zeros(1, int))
+    assert state.trusted is None
+    assert state.searched == 1
 
 
 @pytest.mark.full

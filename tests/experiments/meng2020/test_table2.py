@@ -788,6 +788,24 @@ def test_a_single_place_is_shared_out_by_method_and_many_by_world(monkeypatch):
     assert shared == [(7, True), (8, False), (9, False)]
 
 
+def test_robots_record_and_navigate_with_a_body_of_the_users(plan, own, monkeypatch):
+    where = own(
+        "from tutorial_lib.world import BicycleCar\n\n\ndef Mine():\n    return BicycleCar(0.2)"
+    )
+    settings = table2.Settings(places_on_map=3, trials=2)
+    options = Options(map=plan, robot=where)
+    building, whole, _ = table2.task_of(plan, options, settings)
+    assert building.body == whole.body == BicycleCar(0.2)
+    usual = table2.task_of(plan, replace(options, robot=""), settings)[1]
+    assert usual.body == BicycleCar()
+    assert not np.array_equal(usual.recorded.poses, whole.recorded.poses)
+    monkeypatch.setattr(table2, "_together", lambda *given: given[3])
+    monkeypatch.setattr(table2, "_notes", lambda *_: ())
+    monkeypatch.setattr(table2, "_row", lambda *_: {})
+    with pytest.raises(InputError, match=r"^--robot .*: there is no file nowhere\.py"):
+        table2.run(replace(options, robot="nowhere.py:Mine"), settings)
+
+
 def test_a_map_has_ten_places_in_a_quick_run_too():
     quick = table2.EXPERIMENT.quick_settings
     assert (quick.places, quick.places_on_map, quick.trials) == (6, 10, 40)

@@ -24,6 +24,7 @@ OPTIONAL = (
     *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
     "goal-images",
     "body",
+    "robot",
 )
 """Options that only some experiments take."""
 
@@ -84,13 +85,13 @@ class Experiment:
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         asked = replace(options, worlds=worlds)
         # What lies in a file of one's own may change from one run to the next.
-        own = options.agent or options.map is not None
+        own = options.agent or options.robot or options.map is not None
         with nullcontext() if own else resumable(self._folder(asked, settings)):
             rows, beside = self.run(asked, settings)
         changed = {"odometry": "" if options.drifts else options.odometry}
         changed["palette"] = "" if options.palette == STANDARD else options.palette
         changed["region"] = ", ".join(f"{number:g}" for number in options.region or ())
-        noted = ("family", "starts", "goals", "remedies")
+        noted = ("family", "starts", "goals", "remedies", "robot")
         changed |= {name: getattr(options, name) for name in noted}
         findings = tuple(one for one in beside if isinstance(one, Finding))
         notes = [one for one in beside if isinstance(one, str)]
@@ -152,6 +153,7 @@ class Experiment:
             "remedies": bool(options.remedies),
             "goal-images": bool(options.goal_images),
             "body": options.body != ROUND,
+            "robot": bool(options.robot),
         }
         for name, is_given in given.items():
             if is_given and name not in self.accepts:

@@ -92,6 +92,8 @@ class Options:
         goal_images: what shows a goal, one of `protocols.navigation.GOAL_IMAGES`; one image if
             empty.
         body: one of `BODIES`.
+        robot: FILE.py:NAME of what makes the body of robots that learn and use a map; a
+            `BicycleCar` if empty.
     """
 
     worlds: tuple[int, ...] = ()
@@ -110,6 +112,7 @@ class Options:
     remedies: str = ""
     goal_images: str = ""
     body: str = ROUND
+    robot: str = ""
 
     @property
     def drifts(self) -> bool:

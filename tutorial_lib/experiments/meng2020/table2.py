@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
-from tutorial_lib.experiments.common.own import CUSTOM, or_fault
+from tutorial_lib.experiments.common.own import CUSTOM, load_body, or_fault
 from tutorial_lib.experiments.common.report import SHARE, Fault, Finding, Notes, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_goal_images, table2_thresholds
@@ -37,6 +37,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
+    CAR,
     PLACES,
     WORLDS,
     Building,
@@ -105,10 +106,13 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     places: list[Any] = [*options.worlds] if options.map is None else [options.map]
     if options.agent:  # a faulty one is refused before any rollout
         agents.custom(options.agent)
+    if options.robot:
+        load_body(options.robot)
     if len(places) > 1:
         parts = for_each(run_world, places, options, settings, label="meng_table2")
-    else:  # the agents share the cores instead
-        parts = [_together(place, options, settings, for_each) for place in places]
+    else:  # the agents share the cores instead, unless a body is of the user's own class
+        each = _in_turn if options.robot else for_each
+        parts = [_together(place, options, settings, each) for place in places]
     rows = [
         _row(place, options, part, method)
         for place, part in zip(places, parts, strict=True)
@@ -174,6 +178,7 @@ def task_of(
         drifts=options.drifts,
         family=options.family,
         region=options.region,
+        body=load_body(options.robot) if options.robot else CAR,
     )
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
     rng = np.random.default_rng(seeds)

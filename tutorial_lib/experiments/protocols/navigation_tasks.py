@@ -112,6 +112,7 @@ def make_building(
     drifts: bool = True,
     family: str = "",
     region: Region | None = None,
+    body: Body = CAR,
 ) -> Building:
     """Choose places that cover a world, and record a trajectory for each ordered pair of them.
 
@@ -123,6 +124,7 @@ def make_building(
         drifts: whether the robots' odometry does.
         family: of a generated world; that of its seed unless given.
         region: of a map, see `import_map`.
+        body: of the robots that record trajectories and navigate.
 
     Raises:
         InputError: when the world is too small for so many places.
@@ -136,7 +138,7 @@ def make_building(
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed, region=region))
     seeds = (seed, place if generated else 0)
     rng, odometry = np.random.default_rng(seeds), Odometry(drifts, seeds)
-    return explored(name, scene, rng, count, odometry)
+    return explored(name, scene, rng, count, odometry, body)
 
 
 def explored(
@@ -145,6 +147,7 @@ def explored(
     rng: np.random.Generator,
     count: int = PLACES,
     odometry: Odometry = USUAL,
+    body: Body = CAR,
 ) -> Building:
     """Choose places that cover a scene, and record a trajectory for each ordered pair of them.
 
@@ -152,7 +155,7 @@ def explored(
         InputError: when the world is too small for so many places.
     """
     paths = GridPaths(scene.clearance)
-    return recorded_between(name, scene, paths, spread_places(paths, count, rng), odometry)
+    return recorded_between(name, scene, paths, spread_places(paths, count, rng), odometry, body)
 
 
 def recorded_between(

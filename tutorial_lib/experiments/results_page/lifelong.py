@@ -124,16 +124,18 @@ def queries(rows: Rows) -> str:
 
 
 def blocks(rows: Rows) -> str:
-    """Success of the agents that run all queries, block by block."""
+    """Success of the agents that run many queries, block by block."""
     count, last = count_of(rows[0]), max(column(rows, "block"))
-    ends = matching(rows, block=last)
-    asked = [{key: end[key] for key in SERIES} for end in ends]
-    cells = pivot(rows, asked, by("block", range(last + 1)), "{success:.0%}")
+    series = [_series(rows, row) for row in matching(rows, block=0)]
     lines = [
-        [AGENTS[end["agent"]], _family(end), *line] for end, line in zip(ends, cells, strict=True)
+        [AGENTS[some[0]["agent"]], _family(some[0]), *(percent(row["success"], 0) for row in some)]
+        for some in series
+        if len(some) > 1
     ]
     head = [f"to {count * (block + 1)}" for block in range(last + 1)]
-    return table(["agent", "worlds", *head], lines)
+    return table(
+        ["agent", "worlds", *head], [line + [""] * (last + 3 - len(line)) for line in lines]
+    )
 
 
 def size(rows: Rows) -> str:

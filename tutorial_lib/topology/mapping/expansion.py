@@ -10,8 +10,7 @@ import networkx as nx
 import numpy as np
 
 from tutorial_lib.topology.maintenance import Edge, Maintenance
-from tutorial_lib.topology.mapping.image_pool import length
-from tutorial_lib.topology.mapping.sampling_map import SampledMap, is_connectable
+from tutorial_lib.topology.mapping.sampling_map import SampledMap
 
 
 def expanded(
@@ -65,24 +64,16 @@ def _through_new(
     The paper samples such images until there is a path. Here all are tried at once, which finds the
     shortest; either way only those on the path are kept.
     """
-    pool, rules = sampled.pool, sampled.rules
-    new = np.array(sorted(sampled.unused | sampled.redundant), dtype=np.intp)
-    if not new.size:
+    new = sampled.unused | sampled.redundant
+    if not new:
         return None
-    images = np.array(sorted({*graph, *new.tolist()}))
-    pairs = np.ix_(images, images)
-    metres = length(pool.waypoints[pairs])
-    limits = rules.connect * upkeep.rules.loosened, rules.most_turn
-    joined = is_connectable(sampled.accepted[pairs], pool.waypoints[pairs], *limits)
-    added = np.isin(images, new)
-    joined &= added[:, None] | added  # the map knows its own edges
-    cost = np.where(joined, metres, np.inf)
-    if rules.reverse is not None:
-        cost = np.minimum(cost, cost.T * rules.reverse)
+    sources, targets, costs = sampled.links(sampled.rules.connect * upkeep.rules.loosened)
+    added = np.zeros(len(sampled.pool), dtype=bool)
+    added[list(new)] = True
+    some = added[sources] | added[targets]  # the map knows its own edges
     trial = nx.DiGraph()
-    rows, columns = np.nonzero(np.isfinite(cost))
     trial.add_weighted_edges_from(
-        zip(images[rows].tolist(), images[columns].tolist(), cost[rows, columns], strict=True),
+        zip(sources[some].tolist(), targets[some].tolist(), costs[some].tolist(), strict=True),
         weight="cost",
     )
     trial.add_edges_from(graph.edges(data=True))

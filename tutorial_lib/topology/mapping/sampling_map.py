@@ -110,6 +110,9 @@ def _own(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
     return own & (pool.reachable > rules.own_reachable)
 
 
+Links = tuple[NDArray[np.intp], NDArray[np.intp], Array]
+
+
 @dataclass(eq=False)
 class SampledMap:
     """A directed graph whose vertices are images of a pool.
@@ -135,6 +138,7 @@ class SampledMap:
     graph: nx.DiGraph = field(init=False, default_factory=nx.DiGraph)
     unused: set[int] = field(init=False)
     redundant: set[int] = field(init=False, default_factory=set)
+    _links: dict[float, Links] = field(init=False, default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         self.sure = sure_pairs(self.pool, self.rules)
@@ -169,6 +173,21 @@ class SampledMap:
             self.accepted[image, vertices], pool.waypoints[image, vertices], *limits
         )
         return [(int(v), image) for v in vertices[into]] + [(image, int(v)) for v in vertices[out]]
+
+    def links(self, connect: float) -> Links:
+        """Sources (L,) and targets (L,) of all that D_c = `connect` would join, and costs (L,).
+
+        Where nothing leads back, the way back is in reverse. They are computed once.
+        """
+        if connect not in self._links:
+            metres, rules = length(self.pool.waypoints), self.rules
+            joined = is_connectable(self.accepted, self.pool.waypoints, connect, rules.most_turn)
+            cost = np.where(joined, metres, np.inf)
+            if rules.reverse is not None:
+                cost = np.minimum(cost, cost.T * rules.reverse)
+            sources, targets = np.nonzero(np.isfinite(cost))
+            self._links[connect] = sources, targets, cost[sources, targets]
+        return self._links[connect]
 
     def attributes(self, source: int, target: int, reverse: bool = False) -> dict:
         """Of an edge as it is before anybody drove along it.
