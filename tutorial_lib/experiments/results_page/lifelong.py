@@ -29,14 +29,8 @@ AGENTS = {
     "meng": "Meng",
     "meng_mending": "Meng's map, kept up to date",
     "oracle": "oracle",
-    "lenient": "the paper's test of success",
-    "no_trust": "arrivals not trusted",
-    "own_blame": "blame not shared",
-    "no_return": "pruned edges stay away",
-    "no_expansion": "unused images stay unused",
-    "no_reverse": "no edges in reverse",
 }
-"""How agents are called on the page; the last are LTVN without something."""
+"""How agents are called on the page."""
 TERMS = {
     "all": "all pairs within 3 m",
     "overlap": "views overlap",
@@ -136,19 +130,6 @@ def blocks(rows: Rows) -> str:
     return table(
         ["agent", "worlds", *head], [line + [""] * (last + 3 - len(line)) for line in lines]
     )
-
-
-def size(rows: Rows) -> str:
-    """Vertices, and success, of maps at each D_m and D_c."""
-    merges, connects = (sorted(set(column(rows, key))) for key in ("merge", "connect"))
-    families = dict.fromkeys(column(rows, "family"))
-    asked = [{"family": family, "merge": merge} for family in families for merge in merges]
-    cells = pivot(rows, asked, by("connect", connects), "{success:.0%}, {vertices:.0f} vertices")
-    lines = [
-        [_family(keys), f"{keys['merge']:.1f} m", *line]
-        for keys, line in zip(asked, cells, strict=True)
-    ]
-    return table(["worlds", "D_m", *(f"D_c = {connect:.1f} m" for connect in connects)], lines)
 
 
 def spurious(rows: Rows) -> str:
