@@ -9,13 +9,11 @@ from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
 from tutorial_lib.experiments.results_page.markdown import Row, interval, number, percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Text,
-    by,
     column,
     listing,
     matching,
     named,
     one,
-    pivot,
     success,
 )
 
