@@ -943,7 +943,7 @@ display(swap)
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most of the 24 paths are gone; with section 3's rule all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would score 19. There's more than one good answer. For the V candidates, you're given:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most of the 24 paths are gone; with section 3's rule all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would score 19. There's more than one good answer; look at where `there` and `back` disagree. For the V candidates, you're given:
 #
 # | each is (V,) | |
 # |---|---|

@@ -95,6 +95,8 @@ the warm-up goes on beyond 1: min(1, (step + 1) / warmup_steps)
     min(1.0, (step + 1) / plan.warmup_steps) -> (step + 1) / plan.warmup_steps
 the cosine is one step early: it takes step / max_steps, and begins with 1
     math.pi * step -> math.pi * (step + 1)
+the cosine takes step / max_steps, not step / (max_steps - 1): at the last step it's nearly 0
+    * step / plan.max_steps -> * step / max(1, plan.max_steps - 1)
 the cosine begins at step 0, not after the warm-up: step / max_steps
     * step / plan.max_steps -> * max(0, step - plan.warmup_steps) / after
     warmup = -> after = max(1, plan.max_steps - plan.warmup_steps); warmup =

@@ -116,6 +116,9 @@ update the last visited anchor first, then check whether the active one was visi
     visited >= active -> before >= active
 the RE of the next anchor counts, reach[active + 1], not that of the active one
     reach[active + 1] -> reach[active]
+one of two reasons to move on is enough, or: the active anchor was visited, or the next one is
+reachable and near
+    or (reach -> and (reach
 the active anchor never moves on
     active += 1 -> pass
 the paper's visited + 1 lets the active anchor fall back as soon as the next one is in doubt; here

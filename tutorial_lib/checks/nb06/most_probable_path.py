@@ -110,6 +110,10 @@ in the heap the length stands first, (length, vertex): it sorts by what stands f
     length, _, vertex = -> vertex, _, length =
     (through, count, other) -> (other, 0, through)
     other not in done and through -> through
+in the heap, put the length before the vertex: out comes what is least by what stands first
+    (0.0, 0, start) -> (start, 0, 0.0)
+    length, _, vertex = -> vertex, _, length =
+    (through, count, other) -> (other, 0, through)
 1 - RE only resembles -log RE, and only near 1; take the logarithm, and exp of its sum
     - math.log(p) -> + (1.0 - p)
     math.prod(steps) -> math.exp(-least[goal])

@@ -7,7 +7,7 @@ from types import ModuleType
 from tutorial_lib.agents import blockades, remedy_navigation
 from tutorial_lib.driving import metrics
 from tutorial_lib.driving.data import perturbation, reachability_pairs, recorded_world
-from tutorial_lib.experiments.ltvn import model, spurious
+from tutorial_lib.experiments.ltvn import change, model, spurious
 from tutorial_lib.experiments.meng2020 import fig4, fig12_localization, table1
 from tutorial_lib.experiments.nts import second_visit
 from tutorial_lib.experiments.protocols import (
@@ -34,7 +34,7 @@ from tutorial_lib.topology.following import transitions
 from tutorial_lib.topology.mapping import edge_rules, image_pool, sampling_map, turn_edges
 
 _MODULES = (
-    *(blockades, disturbances, edge_rules, explorable, exploration, exploration_data),
+    *(blockades, change, disturbances, edge_rules, explorable, exploration, exploration_data),
     *(exploration_recipes, exploration_training, faults, fig12_localization, fig4, fine_tuning),
     *(ghost_graph, goal_search, image_pool, local_control, maintenance, metrics, model, navigation),
     *(navigation_tasks, panorama_encoder, perturbation, planner, plans, reachability),
