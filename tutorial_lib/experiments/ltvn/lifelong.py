@@ -1,8 +1,8 @@
 """Hundreds of queries in one building, with maps that mend themselves and maps that do not.
 
-All agents learn one tour and get the same queries, in fleets that set off together and share a map.
-Each of LTVN's agents runs with the network and with true perception, so that errors of the model
-and of the maintenance can be told apart.
+All agents learn one tour and get the first of the same queries, each as many as `Settings.agents`
+says, in fleets that set off together and share a map. LTVN's map and the same as it was built also
+run with true perception, so that errors of the model and of the maintenance can be told apart.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Settings:
 
     agents: tuple[tuple[str, str, int], ...] = (
         *((MENDING, NETWORK, 500), (FROZEN, NETWORK, 200)),
-        *((MENDING_MENG, NETWORK, 500), (MENG, NETWORK, 200)),
+        *((MENDING_MENG, NETWORK, 200), (MENG, NETWORK, 200)),
         *((MENDING, ORACLE, 50), (FROZEN, ORACLE, 50)),
         *(("ving", NETWORK, 50), ("sptm", NETWORK, 50), ("oracle", ORACLE, 50)),
     )
@@ -255,7 +255,8 @@ def _differences(
             if not {one, other} <= set(found):
                 continue
             mine, theirs = ([found[agent][w].success for w in worlds] for agent in (one, other))
-            count, block = min(map(len, mine + theirs)), settings.block
+            count = min(map(len, mine + theirs))
+            block = min(settings.block, count)
             for first, last in dict.fromkeys(((0, block), (count - block, count), (0, count))):
                 gap = difference(
                     np.concatenate([success[first:last] for success in mine]),
