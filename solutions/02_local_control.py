@@ -3,7 +3,7 @@
 #
 # **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the hallway door, and you hold up a photo taken beyond it. All it has is two images. *Which way should it steer?*
 #
-# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own loop trains a small one in ten seconds; with one that was trained for an hour, your robot nearly always reaches the place in the photo.
+# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own loop trains a small one in ten seconds; with one that was trained for most of an hour, your robot nearly always reaches the place in the photo.
 
 # %% hidden=true
 # What the robot sees, and the photo (about 10 s)
@@ -588,7 +588,7 @@ display(corner)
 #
 # ---
 #
-# **Stop here.** That's fifty minutes: three functions, and a car that drives to a point in sight. Who tells it which point? When you come back, it'll look for itself.
+# **Stop here.** That's the first sitting: three functions, and a car that drives to a point in sight. Who tells it which point? When you come back, it'll look for itself.
 #
 # # Second sitting · learning to look (80 minutes)
 #

@@ -1212,7 +1212,7 @@ else:
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
 # <i>Look-alikes that fool the network, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. This choice leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
-# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs do nearly as well. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
+# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs do better than the look-alikes to beat. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory

@@ -1318,7 +1318,7 @@ display(table(head, [["over the next metre", *correlations["over the next metre"
 show(from_figure(figure))
 
 # %% [markdown]
-# Black lines are means over quarters of the points. In 24 drives little is to be seen; leave out the first two metres, and hardly anything. [Twenty buildings](../tutorial_lib/results/README.md#fig-5-placement-of-anchors) show it, for every controller: anchors are a little denser where the path is tight or bends, and neither cause beats the other. What makes a place hard is that the *view changes fast*, and these are two of the reasons.
+# Black lines are means over quarters of the points. Twenty-four drives show little, and hardly anything without the first two metres. [Twenty buildings](../tutorial_lib/results/README.md#fig-5-placement-of-anchors) show it for every controller: anchors are a little denser where the path is tight or bends, and neither cause beats the other. What makes a place hard is that the *view changes fast*, and these are two of the reasons.
 #
 # ### Find the bug
 #

@@ -3,7 +3,7 @@
 #
 # **The photo on the fridge.** *Take me here*, it says, and tonight your robot is parked at D. Twelve drives made its map, and two paths on that map lead to the photo.
 #
-# Run the first cell. Green goes through walls: you see that at once, the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more hops, each nearly sure. *Will all the amber hops work?*
+# Run the first cell. Green goes through walls: you see that at once; the robot can't. Green takes two hops, the second a tiny one, because one photo happens to look right. Amber takes more hops, each nearly sure. *Will all the amber hops work?*
 #
 # By the end your robot will plan, refuse, get lost, and find a lie in a map. Then it'll drive home, on your code.
 
@@ -973,7 +973,7 @@ show(stacked(rows, gap=8))
 # %% [markdown]
 # Amber is the plan, blue the track, and the vermilion dot marks where the robot got lost. Two kinds of failure come up often. The **first hop** leads straight through walls, to a look-alike corridor: no vertex is really ahead, so the planner takes the one with the most optimistic RE. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
 #
-# **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$, a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far less. One robot more that arrives, and not is lost, is worth 4: a point or two is luck.
+# **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$, a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far less. One more robot that arrives instead of getting lost is worth 4, so a few points may be luck.
 
 # %%
 NAME = "my decide"  # in the league table

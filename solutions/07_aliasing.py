@@ -604,7 +604,7 @@ def track(odometry, look, lengths, onward, rules):
 track = check_track.use(track)
 
 # %% [markdown]
-# Purple discs are the belief. The black ring is where your robot thinks it is, the blue arrowhead where it really is. The bar at the left edge is the belief that it's off the map. (About 8 s.)
+# Pink discs are the belief. The black ring is where your robot thinks it is, the blue arrowhead where it really is. The bar at the left edge is the belief that it's off the map. (About 8 s.)
 
 # %% hidden=true
 # A drive that is cut and goes on elsewhere, and the belief along it

@@ -884,7 +884,7 @@ show(from_figure(figure))
 #
 # **An open task.** Back home, each vertex costs memory and time. With how few can the robot still get everywhere? Write `my_map`: change the rules, give `build_map` your own `order`, or invent another rule. `joined_map` makes a map from any vertices and edges.
 #
-# Twelve robots drive on your map, which learns nothing. The score is **vertices saved − 10 × robots lost**; the library's map scores 0. At one $D_m$ it has fewer vertices than yours of section 3: to be redundant, a pair need not be supported by the images between. Scoring takes about 5 s.
+# Twelve robots drive on your map, which learns nothing. The score is **vertices saved − 10 × robots lost**; the library's map scores 0. At the same $D_m$ it has fewer vertices than yours of section 3: to be redundant, a pair need not be supported by the images between. Scoring takes about 5 s.
 
 # %% hidden=true
 # The twelve trips, and the map to beat

@@ -130,7 +130,8 @@ def test_the_pages_of_the_course_are_those_of_its_sources():
 
 def test_a_teacher_finds_a_plan_for_each_notebook_with_its_minutes_and_sections():
     text = (PROJECT / "solutions/README.md").read_text(encoding="utf-8")
-    plans = dict(re.findall(r"^### (\d\d · .+? \(\d+ minutes\))\n(.+?)(?=^##)", text, re.M | re.S))
+    heading = r"^### (\d\d · [^\n]+? \(\d+(?: \+ \d+)? minutes\))\n(.+?)(?=^##)"
+    plans = dict(re.findall(heading, text, re.M | re.S))
     for source in sorted((PROJECT / "solutions").glob("[0-9][0-9]_*.py")):
         heading = f"{title_of(source)} ({minutes_of(source)} minutes)"
         plan = plans.pop(heading)

@@ -36,6 +36,8 @@ def test_a_click_shows_the_choice_the_robot_and_why_a_wrong_answer_tempts(folder
     assert not folder.exists()
     assert "robot:" not in trip.panel.line.value
     assert "C: nowhere" in trip.panel.line.value
+    assert "right=" not in repr(trip)
+    assert GIVEN["because"] not in repr(trip)
     trip.panel.buttons["A"].click()
     assert trip.text.split("\n") == [
         "You: A, at the door.",
@@ -53,6 +55,7 @@ def test_without_widgets_a_call_does_the_same_and_the_first_choice_is_kept():
     before = trip.panel.picture.value
     assert trip.commit("B") is trip
     assert trip.text.startswith("You: B, in the corridor. Right!\n")
+    assert "The right answer is" not in trip.text
     assert trip.panel.picture.value != before
     trip.commit("C")
     assert "You: C" in trip.panel.line.value

@@ -346,7 +346,7 @@ class LTVNNavigation:
         return paths[min(whole, key=whole.__getitem__)] if whole else None
 
     def _look_around(self, observation: Observation, robot: int) -> None:
-        """Turn in place, up to `search` seconds; then it is no longer where it arrived."""
+        """Turn in place, up to `search` seconds; a robot that turns trusts no arrival."""
         state = self.states[robot]
         state.trusted = None
         if state.searched == 0:

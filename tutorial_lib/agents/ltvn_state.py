@@ -97,7 +97,7 @@ class RobotState:
         leg: what it drives now.
         path: the last plan.
         trusted: where it has just arrived: the vertex, how it is known, the edge on which it came,
-            and the vertex's pose.
+            and the vertex's pose; None once it looks around.
         avoided: edges that failed, until when.
         searched: steps that it has turned without knowing where it is.
     """

@@ -1,10 +1,10 @@
 """A door closes and opens again: which maps find the detour, and which use the door again?
 
-In each building one door is closed for a while by people who stand in it. All queries lead through
-that door where it is open. The learned drives hold a detour around it, and who takes that arrives
-facing as who drives through the door, as the goal image asks. Maps that mend themselves are LTVN's
-and Meng's; each is compared with the same map as it was built, and with an oracle that knows of the
-door.
+In each building one door is closed for a while by people who stand in it. The recorded drives
+between the queries' places lead through it. LTVN's map, as it was built, has a detour around it, on
+which an oracle arrives facing as on the drive through the door, as the goal image asks. Maps that
+mend themselves are LTVN's and Meng's; each is compared with the same map as it was built, and with
+an oracle that knows of the door.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ LEAST = 4
 DETOUR = 3.0
 """Times as long as the path through the door that the one around it is, at most."""
 ALIKE = float(np.deg2rad(30.0))
-"""Rad between headings that count as alike here; a goal counts as reached up to twice as many."""
+"""Rad between headings that count as alike here; a goal counts as reached up to `FACING`."""
 AGENTS = (MENDING, FROZEN, MENDING_MENG, MENG, ORACLE)
 MENDED = ((MENDING, FROZEN), (MENDING_MENG, MENG))
 """Maps that mend themselves, each with the same as it was built."""
@@ -140,7 +140,8 @@ def _differences(
     def of(name: str, phase: str) -> Array:
         return np.concatenate([one[phase].success[-settings.late :] for one in found[name]]) * 1.0
 
-    units = np.repeat(worlds, min(settings.late, settings.queries))
+    some = next(iter(found.values()))
+    units = np.repeat(worlds, [len(one[OPEN].success[-settings.late :]) for one in some])
     pairs = [((name, OPEN), (name, phase)) for name in found for phase in (CLOSED, REOPENED)]
     pairs += [((old, phase), (new, phase)) for new, old in MENDED for phase in PHASES]
     return [

@@ -110,7 +110,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
         load_body(options.robot)
     if len(places) > 1:
         parts = for_each(run_world, places, options, settings, label="meng_table2")
-    else:  # the agents share the cores instead, unless a body is of the user's own class
+    else:  # the agents share the cores instead; a class of the user's stays in this process
         each = _in_turn if options.robot else for_each
         parts = [_together(place, options, settings, each) for place in places]
     rows = [

@@ -177,7 +177,8 @@ class SampledMap:
     def links(self, connect: float) -> Links:
         """Sources (L,) and targets (L,) of all that D_c = `connect` would join, and costs (L,).
 
-        Where nothing leads back, the way back is in reverse. They are computed once.
+        Each is driven forwards or in reverse, whichever costs less. They are computed once: neither
+        the pool nor the rules change.
         """
         if connect not in self._links:
             metres, rules = length(self.pool.waypoints), self.rules
