@@ -49,6 +49,7 @@ ABLATIONS = {
     "changed": "lives in which a door closes, another opens, and furniture moves",
     "ingredients": "the combined agent without one of its parts each",
     "toured": "robots that were shown the building first, by an oracle or while exploring",
+    "meng": "Meng's map, kept up to date and as it was built",
     "parts": "the agent without one of its parts at a time",
 }
 """What else an experiment compares, by name: these run in its place."""

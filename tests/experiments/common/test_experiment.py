@@ -171,6 +171,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_table1 rules",
         "nts_table2 rl",
         "nts_fig8 exact",
+        "ltvn_lifelong meng",
         "ltvn_lifelong parts",
         "race car",
         "race carried",

@@ -80,9 +80,9 @@ class Settings:
 
     agents: tuple[tuple[str, str, int], ...] = (
         *((MENDING, NETWORK, 500), (FROZEN, NETWORK, 200)),
-        *((MENDING_MENG, NETWORK, 200), (MENG, NETWORK, 200)),
         *((MENDING, ORACLE, 50), (FROZEN, ORACLE, 50)),
-        *(("ving", NETWORK, 50), ("sptm", NETWORK, 50), ("oracle", ORACLE, 50)),
+        *(("ving", NETWORK, 50), ("sptm", NETWORK, 50), (MENG, NETWORK, 50)),
+        ("oracle", ORACLE, 50),
     )
     block: int = 50
     fleet: int = 25
@@ -94,6 +94,7 @@ class Settings:
 
 
 ABLATED = Settings(tuple((name, NETWORK, 100) for name in VARIANTS))
+OF_MENG = Settings(tuple((name, NETWORK, 500) for name in (MENDING_MENG, MENG)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,7 +285,7 @@ EXPERIMENT = Experiment(
     settings=Settings(),
     quick_settings=QUICK,
     canary=Settings(
-        tuple((name, NETWORK, 2) for name in (MENDING, FROZEN, MENG, MENDING_MENG, "ving", "sptm")),
+        tuple((name, NETWORK, 2) for name in (MENDING, FROZEN, MENG, "ving", "sptm")),
         block=2,
         fleet=2,
     ),
@@ -297,6 +298,20 @@ EXPERIMENT = Experiment(
             settings=ABLATED,
             quick_settings=replace(ABLATED, block=20, fleet=20),
             canary=Settings(tuple((name, NETWORK, 2) for name in VARIANTS), block=2, fleet=2),
+        ),
+        "meng": Experiment(
+            "ltvn_lifelong_meng",
+            run,
+            WORLDS,
+            WORLDS[:2],
+            settings=OF_MENG,
+            quick_settings=replace(
+                OF_MENG,
+                agents=tuple((*agent[:2], 100) for agent in OF_MENG.agents),
+                block=20,
+                fleet=20,
+            ),
+            canary=Settings(tuple((*agent[:2], 2) for agent in OF_MENG.agents), block=2, fleet=2),
         ),
     },
 )
