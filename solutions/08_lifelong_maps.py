@@ -853,7 +853,7 @@ presses(TamperedMap(toured, living, many, SHUT, first=SIZE * len(DAYS)))
 #
 # ### In eight other buildings
 #
-# Each was toured once, and no door was shut. The map that learns got 500 queries, the other 200. The [results page](../tutorial_lib/results/README.md) has the rivals and the intervals.
+# Each was toured once, and no door was shut. The [results page](../tutorial_lib/results/README.md) has the rivals and the intervals.
 
 # %% hidden=true
 # Success by blocks of 50 queries, from the stored result
