@@ -316,10 +316,10 @@ build_map = check_build_map.use(build_map)
 
 
 # %% hidden=true
-# Your map of the flat, with four values of D_m, one vertex after the other
+# Your map of the flat, with three values of D_m, one vertex after the other
 sure, far = resident.sampled.accepted, length(pool.waypoints)
 drawn = np.random.default_rng(3).permutation(len(pool)).tolist()
-maps = {merge: build_map(sure, far, drawn, merge, 2.5) for merge in (0.4, 0.7, 1.0, 1.3)}
+maps = {merge: build_map(sure, far, drawn, merge, 2.5) for merge in (0.4, 0.7, 1.0)}
 rows = []
 for merge, (vertices, edges) in maps.items():
     graph = nx.DiGraph(edges)
