@@ -138,7 +138,8 @@ def _differences(
     """Paired, of the last queries of a phase: from those with the door open, and of two maps."""
 
     def of(name: str, phase: str) -> Array:
-        return np.concatenate([one[phase].success[-settings.late :] for one in found[name]]) * 1.0
+        last = [one[phase].success[-settings.late :].astype(float) for one in found[name]]
+        return np.concatenate(last)
 
     some = next(iter(found.values()))
     units = np.repeat(worlds, [len(one[OPEN].success[-settings.late :]) for one in some])
@@ -313,7 +314,7 @@ def _is_learned(graph: nx.DiGraph, poses: Array, places: Array, drive: Trajector
 
 
 def _alike(pose: Array, other: Array) -> bool:
-    return abs(wrap(pose[2] - other[2])) <= ALIKE
+    return bool(abs(wrap(pose[2] - other[2])) <= ALIKE)
 
 
 def _detours(whole: Building, trials: Trials, door: Doorway) -> Array:
