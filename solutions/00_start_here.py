@@ -209,7 +209,7 @@ display(twins)
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Each car's wheels have errors of their own that stay: about 5 % of each distance and turn. Its heading drifts a little, too.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry errs anew, by about 5 % of the distance and of the turn just driven, and its heading drifts a little.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)
