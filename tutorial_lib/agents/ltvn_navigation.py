@@ -243,7 +243,7 @@ class LTVNNavigation:
         if state.avoided.get(edge, 0.0) > now and state.searched < _RECOVERING:
             self._look_around(observation, robot)  # from elsewhere what failed may succeed
             return
-        state.searched, state.path = 0, path
+        state.path = path
         self._set_off(observation, robot, here, target, kind, arrived_by, waypoint, seen)
 
     def _doubt(self, robot: int, looked: Traversal) -> None:
@@ -274,12 +274,16 @@ class LTVNNavigation:
         reverse, turn = bool(edge.get("reverse", False)), "turn" in edge
         if turn:
             until = self._now[robot] + _TURNING
-            self._rotation.begin(
-                np.array([robot]), observation.odometry, wrap(np.array([waypoint[2]]))
-            )
-        self.states[robot].leg = Leg(
-            source, target, kind, arrived_by, measured, aim, float(until), reverse, turn
-        )
+            self._begin_turn(observation, robot, float(wrap(waypoint[2])))
+        state = self.states[robot]
+        state.searched = 0
+        state.leg = Leg(source, target, kind, arrived_by, measured, aim, float(until), reverse, turn)
+
+    def _begin_turn(self, observation: Observation, robot: int, angle: float) -> None:
+        """Turn by an angle in rad, from here on."""
+        robots = np.array([robot])
+        self._stillness.begin(robots)
+        self._rotation.begin(robots, observation.odometry, np.array([angle]))
 
     def _localized(
         self, observation: Observation, state: RobotState
@@ -350,6 +354,6 @@ class LTVNNavigation:
         state = self.states[robot]
         state.trusted = None
         if state.searched == 0:
-            self._rotation.begin(np.array([robot]), observation.odometry, np.array([_ALL]))
+            self._begin_turn(observation, robot, _ALL)
         state.searched += 1
         self.given_up[robot] = state.searched * STEP > self._settings.search

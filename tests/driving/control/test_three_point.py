@@ -70,11 +70,44 @@ def test_a_car_that_is_wedged_gets_out_to_the_other_side():
     assert turn.seconds == pytest.approx([15.0, 15.0])
 
 
+@pytest.mark.parametrize(("side", "angle"), [(1.0, np.pi), (-1.0, np.pi), (1.0, 1.5), (-1.0, 0.4)])
+@pytest.mark.parametrize("beyond", [-0.05, 0.6])
+def test_to_the_other_side_is_to_the_same_heading_and_no_further(side, angle, beyond):
+    """A car that rolled back a little, and one that was wedged beyond the heading."""
+    turn, robots = ThreePointTurn(1), np.zeros(1, int)
+    turn.begin(robots, np.zeros((1, 3)), np.array([side * angle]))
+    turned_ = beyond if beyond < 0 else angle + beyond
+    turn._sides(np.array([[0.0, 0.0, side * turned_]]), robots)
+    turn.turn_back(robots, np.array([[0.0, 0.0, side * turned_]]))
+    left = side * float(turn._angle[0])
+    assert -2 * np.pi < left <= 0
+    assert wrap(turned_ + left - angle) == pytest.approx(0, abs=1e-9)
+    assert turn._side[0] == -side
+
+
+def test_who_turns_all_round_turns_all_round_to_the_other_side():
+    turn, robots = ThreePointTurn(1), np.zeros(1, int)
+    turn.begin(robots, np.zeros((1, 3)), np.array([4 * np.pi]))
+    turn._sides(np.array([[0.0, 0.0, 0.5]]), robots)
+    turn.turn_back(robots, np.array([[0.0, 0.0, 0.5]]))
+    assert turn._angle[0] == pytest.approx(-4 * np.pi)
+
+
 def test_a_robot_is_stuck_once_it_has_stood_still_for_a_second_and_a_robot_that_moves_never():
     stillness, robots = Stillness(2), np.arange(2)
     stuck = [stillness.stuck(robots, np.array([[1.0, 1.0, 0.0], [t, 0.0, 0.0]])) for t in range(30)]
     assert np.flatnonzero([one[0] for one in stuck]).tolist() == [11, 22]
     assert not any(one[1] for one in stuck)
+
+
+def test_the_count_of_stillness_begins_anew_where_it_is_asked_to():
+    stillness, robots = Stillness(2), np.arange(2)
+    for _ in range(8):
+        stillness.stuck(robots, np.zeros((2, 3)))
+    stillness.begin(robots[:1])
+    stuck = np.array([stillness.stuck(robots, np.zeros((2, 3))) for _ in range(12)])
+    assert np.flatnonzero(stuck[:, 0]).tolist() == [10]
+    assert np.flatnonzero(stuck[:, 1]).tolist() == [3]
 
 
 def test_only_the_given_robots_turn():

@@ -34,6 +34,10 @@ class Stillness:
         """Begin with so many robots that move."""
         self._seconds, self._before = np.zeros(robots), np.full((robots, 3), np.inf)
 
+    def begin(self, robots: Robots) -> None:
+        """Count anew for robots (M,)."""
+        self._seconds[robots] = 0.0
+
     def stuck(self, robots: Robots, odometry: Array) -> NDArray[np.bool_]:
         """(M,) whether robots have stood still for `STUCK` seconds; the count then begins anew."""
         still = np.abs(odometry - self._before[robots]).max(axis=1) < STILL
@@ -66,11 +70,15 @@ class ThreePointTurn:
         self._gear[robots] = 1.0
 
     def turn_back(self, robots: NDArray[np.intp], odometry: Array) -> None:
-        """Turn robots (M,) that are stuck to the other side, to the same heading."""
-        side = self._side[robots]
-        left = wrap(self._angle[robots] - self._turned[robots])
+        """Turn robots (M,) that are stuck to the other side, to the same heading.
+
+        Those that were to turn by more than a circle turn as far, to the other side.
+        """
+        side, angle = self._side[robots], self._angle[robots]
+        left = np.mod(side * (self._turned[robots] - angle), 2 * np.pi)
         seconds = self.seconds[robots]
-        self.begin(robots, odometry, left - 2 * np.pi * side)
+        whole = np.abs(angle) > 2 * np.pi
+        self.begin(robots, odometry, -side * np.where(whole, np.abs(angle), left))
         self.seconds[robots] = seconds
 
     def act(self, observations: Observation, robots: NDArray[np.intp]) -> Array:

@@ -111,6 +111,7 @@ def _own(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
 
 
 Links = tuple[NDArray[np.intp], NDArray[np.intp], Array]
+"""Pairs of images that could be joined: sources (L,), targets (L,), and costs (L,)."""
 
 
 @dataclass(eq=False)
