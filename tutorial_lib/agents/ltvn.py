@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,6 +102,13 @@ class LTVNAgent:
         rules = MaintenanceRules() if self.maintenance is None else self.maintenance
         price, noise = sampled.rules.reverse or 1.0, sampled.rules.spread**2
         self.upkeep = Maintenance(sampled.graph, rules, price, noise)
+
+    def twin(self, **changed: Any) -> LTVNAgent:  # noqa: ANN401 - of its attributes
+        """An agent with a copy of this one's map, and with other attributes, such as `travel`."""
+        made = replace(self, **changed)
+        made.frames = self.frames
+        made.use(self.sampled.copy())
+        return made
 
     def start(self, goals: Sequence[Goals]) -> LTVNNavigation:
         """Send robots to one goal each; all mend the same map.

@@ -277,7 +277,9 @@ class LTVNNavigation:
             self._begin_turn(observation, robot, float(wrap(waypoint[2])))
         state = self.states[robot]
         state.searched = 0
-        state.leg = Leg(source, target, kind, arrived_by, measured, aim, float(until), reverse, turn)
+        state.leg = Leg(
+            source, target, kind, arrived_by, measured, aim, float(until), reverse, turn
+        )
 
     def _begin_turn(self, observation: Observation, robot: int, angle: float) -> None:
         """Turn by an angle in rad, from here on."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import networkx as nx
@@ -23,6 +24,7 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.driving.data.demonstrations import demonstrate_between
 from tutorial_lib.driving.data.trajectories import Trajectory
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Finding, Notes, Options, Rows
@@ -120,9 +122,10 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     ]
     if not known:
         return [], notes
-    items = [(world, known[world], name) for name in settings.agents for world in known]
+    items = [(world, door, name) for world, door in known.items() for name in settings.agents]
     lives = iter(for_each(lived, items, options.seed, settings, label="ltvn_change"))
-    found = {name: [next(lives) for _ in known] for name in settings.agents}
+    by_world = [{name: next(lives) for name in settings.agents} for _ in known]
+    found = {name: [one[name] for one in by_world] for name in settings.agents}
     rows = [
         _row(name, phase, block, found[name], list(known), settings)
         for name in settings.agents
@@ -183,11 +186,12 @@ def _row(
 def lived(item: tuple[int, Doorway, str], seed: int, settings: Settings) -> dict[str, Outcome]:
     """One agent in one building, by phase."""
     world, door, name = item
-    whole = make_building(world, seed)
-    building = part_of(whole, DRIVES, seed)
+    whole, building = _surveyed(world, seed)
     rng = np.random.default_rng([seed, world, 1])
     count = settings.queries
     trials = draw_trials(whole, count, rng, door.pairs)
+    if len(trials) < count:
+        raise InputError(f"queries: world {world} has room for {len(trials)}; ask for no more")
     longer = replace(trials, seconds=trials.seconds * _detours(whole, trials, door))
     agent = None if name == ORACLE else learned(building, name)
     found = {}
@@ -198,6 +202,13 @@ def lived(item: tuple[int, Doorway, str], seed: int, settings: Settings) -> dict
         else:
             found[phase] = _queries(building, some, agent, settings.fleet, number * count, people)
     return found
+
+
+@lru_cache(maxsize=1)
+def _surveyed(world: int, seed: int) -> tuple[Building, Building]:
+    """A building, and the same with the drives that are learned; kept for the next agent."""
+    whole = make_building(world, seed)
+    return whole, part_of(whole, DRIVES, seed)
 
 
 def _oracle(building: Building, trials: Trials, people: tuple[Person, ...]) -> Outcome:
@@ -248,8 +259,7 @@ def _queries(
 
 def doorway(world: int, seed: int) -> Doorway | None:
     """The door that most drives lead through, of those with a detour that was learned."""
-    whole = make_building(world, seed)
-    building = part_of(whole, DRIVES, seed)
+    whole, building = _surveyed(world, seed)
     agent = prepared_agent(building, FROZEN, NETWORK)
     poses = image_poses(building, agent)
     best: Doorway | None = None

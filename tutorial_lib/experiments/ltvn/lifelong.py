@@ -8,6 +8,7 @@ run with true perception, so that errors of the model and of the maintenance can
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import networkx as nx
@@ -17,6 +18,7 @@ from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Finding, Options, Rows
@@ -112,11 +114,11 @@ class Lived:
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
     """Let every agent live in every building."""
-    items = [(world, *agent) for agent in settings.agents for world in options.worlds]
-    lives = iter(for_each(lived, items, options.seed, settings, label="ltvn_lifelong"))
-    found = {
-        agent[:2]: {world: next(lives) for world in options.worlds} for agent in settings.agents
-    }
+    items = [(world, *agent) for world in options.worlds for agent in settings.agents]
+    lives = for_each(lived, items, options.seed, settings, label="ltvn_lifelong")
+    found: dict[tuple[str, str], dict[int, Lived]] = {agent[:2]: {} for agent in settings.agents}
+    for (world, name, perception, _), life in zip(items, lives, strict=True):
+        found[name, perception][world] = life
     rows: Rows = []
     for (name, perception), by_world in found.items():
         for family, worlds in families(options.worlds).items():
@@ -136,10 +138,8 @@ def families(worlds: tuple[int, ...]) -> dict[str, list[int]]:
 def lived(item: tuple[int, str, str, int], seed: int, settings: Settings) -> Lived:
     """One agent in one building."""
     world, name, perception, count = item
-    whole = make_building(world, seed)
-    building = part_of(whole, TOUR, seed)
-    trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
-    trials = trials.subset(np.arange(min(count, len(trials))))
+    whole, building, trials = drawn(world, seed, settings.queries)
+    trials = trials.subset(np.arange(count))
     if name in VARIANTS:
         agent = prepared_agent(building, name, perception)
         return mended(building, trials, agent, settings)
@@ -165,6 +165,22 @@ def lived(item: tuple[int, str, str, int], seed: int, settings: Settings) -> Liv
         result.outcome.success.astype(float),
         [result.size] * blocks,
     )
+
+
+@lru_cache(maxsize=1)
+def drawn(world: int, seed: int, queries: int) -> tuple[Building, Building, Trials]:
+    """A building, the same with the drives that are learned, and its queries.
+
+    All are kept for the next call, since agents take turns in one building.
+
+    Raises:
+        InputError: when there is no room for so many queries.
+    """
+    whole = make_building(world, seed)
+    trials = draw_trials(whole, queries, np.random.default_rng([seed, world, 1]))
+    if len(trials) < queries:
+        raise InputError(f"queries: world {world} has room for {len(trials)}; ask for no more")
+    return whole, part_of(whole, TOUR, seed), trials
 
 
 def _meng_mending(building: Building, trials: Trials, settings: Settings) -> Lived:
@@ -193,12 +209,18 @@ def mending_meng(building: Building) -> MendingMengAgent:
 def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
     """A variant of LTVN's agent that has learned a building."""
     changed = dict(VARIANTS[name])
+    reverse = changed.pop("reverse", True)
+    return _mapped(building, perception, reverse).twin(**changed)
+
+
+@lru_cache(maxsize=2)
+def _mapped(building: Building, perception: str, reverse: bool) -> LTVNAgent:
+    """LTVN's agent that has learned a building; kept for the variants that share its map."""
     model = TrueModel(building.scene) if perception == ORACLE else None
     rules = SamplingRules() if model is None else SamplingRules(support=0.0)
-    if not changed.pop("reverse", True):
+    if not reverse:
         rules = replace(rules, reverse=None)
-    changed |= {"model": model, "rules": rules}
-    agent = agents.ltvn(**changed)
+    agent = agents.ltvn(model=model, rules=rules)
     agent.learn(deep_experiences(building, model))
     return agent
 

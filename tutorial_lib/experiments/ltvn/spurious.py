@@ -23,17 +23,13 @@ from tutorial_lib.experiments.ltvn.lifelong import (
     NETWORK,
     ORACLE,
     WORLDS,
+    drawn,
     families,
     prepared_agent,
 )
-from tutorial_lib.experiments.protocols.drives import TOUR, part_of
 from tutorial_lib.experiments.protocols.lifelong import image_poses, run_queries
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE
-from tutorial_lib.experiments.protocols.navigation_tasks import (
-    Building,
-    draw_trials,
-    make_building,
-)
+from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
 
@@ -119,9 +115,7 @@ def _row(key: dict[str, Any], worlds: list[int], blocks: tuple[Block, ...]) -> d
 def spoilt(item: tuple[int, float, str, str], seed: int, settings: Settings) -> list[Block]:
     """One building, one share, with or without updates."""
     world, share, updates, perception = item
-    whole = make_building(world, seed)
-    building = part_of(whole, TOUR, seed)
-    trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
+    _, building, trials = drawn(world, seed, settings.queries)
     agent = prepared_agent(building, UPDATES[updates], perception)
     rng = np.random.default_rng([seed, world, 7])
     injected = spoil(building, agent, share, rng)
@@ -166,7 +160,7 @@ def spoil(
 EXPERIMENT = Experiment(
     "ltvn_spurious",
     run,
-    WORLDS[:4],
+    WORLDS,
     WORLDS[:2],
     settings=Settings(),
     quick_settings=Settings(

@@ -7,6 +7,7 @@ reverse with their price, restarts, and the support of neighbours.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 
 import networkx as nx
@@ -145,6 +146,13 @@ class SampledMap:
         self.sure = sure_pairs(self.pool, self.rules)
         self.accepted = supported_pairs(self.pool, self.rules)
         self.unused = set(range(len(self.pool)))
+
+    def copy(self) -> SampledMap:
+        """A map that changes apart from this one; both have the same pool."""
+        made = copy(self)
+        made.graph = self.graph.copy()
+        made.unused, made.redundant = set(self.unused), set(self.redundant)
+        return made
 
     @property
     def vertices(self) -> NDArray[np.intp]:
