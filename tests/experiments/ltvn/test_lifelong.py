@@ -1,6 +1,5 @@
 """Maps that mend themselves, with true perception in a room with pillars."""
 
-from copy import deepcopy
 from dataclasses import replace
 from functools import cache, partial
 
@@ -9,7 +8,7 @@ import pytest
 
 from tests.conftest import in_turn, make_box, needs
 from tutorial_lib.agents.ltvn import TURNS, LTVNAgent
-from tutorial_lib.driving.data.demonstrations import demonstrate_between
+from tutorial_lib.agents.ltvn_state import GOAL
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD
 from tutorial_lib.experiments.common.report import Options
@@ -42,8 +41,9 @@ def building():
 @pytest.fixture(autouse=True)
 def one_building(building, monkeypatch):
     """Every world is this room."""
-    for module in (change, finetune, label, lifelong, model, spurious):
+    for module in (change, finetune, label, lifelong, model):
         monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
+    for module in (change, finetune, label, lifelong, model, spurious):
         monkeypatch.setattr(module, "for_each", in_turn)
     # Robots that never arrive take longest.
     monkeypatch.setattr(navigation, "GRACE", 10.0)
@@ -59,11 +59,7 @@ def with_map(building, turns):
 
 def learned(building, turns=TURNS, **changed):
     """An agent with a map of its own; what all these maps begin as is built once."""
-    made = deepcopy(with_map(building, turns), {id(building.scene): building.scene})
-    agent = replace(made, **changed)
-    agent.frames = made.frames
-    agent.use(made.sampled)
-    return agent
+    return with_map(building, turns).twin(**changed)
 
 
 @pytest.fixture(scope="module")
@@ -177,19 +173,13 @@ def test_a_door_that_closes_costs_the_map_that_does_not_change_more(building, mo
 def test_a_detour_counts_only_where_it_ends_facing_as_the_goal_image_does(building):
     """People across the way between the pillars: who goes around may come from the other side."""
     people = np.array([[7.5, y] for y in np.arange(2.0, 7.2, 0.34)])
-    pairs = np.arange(len(building.pairs))
-    found = change._around(building, people, pairs)
-    starts = building.recorded.poses[building.recorded.first_frames]
-    around = paths_around(building, people)
-    goals = building.places[building.pairs[:, 1]]
-    shown = demonstrate_between(building.name, building.scene, around, starts, goals, 0)
-    for pair, one in zip(pairs.tolist(), shown, strict=True):
-        usual = building.recorded.trajectories[pair].poses[-1, 2]
-        alike = one is not None and abs(wrap(one.poses[-1, 2] - usual)) <= change.ALIKE
-        longer = around.between(starts[[pair], :2], goals[[pair]])
-        longer = longer / building.paths.between(starts[[pair], :2], goals[[pair]])
-        assert (pair in found) == (alike and longer[0] <= change.DETOUR)
-    assert 0 < len(found) < len(pairs)
+    found = change._around(building, people, np.arange(len(building.pairs)))
+    by_pair = {tuple(building.pairs[number].tolist()): times for number, times in found.items()}
+    others = {pair for pair in map(tuple, building.pairs.tolist()) if pair not in by_pair}
+    # From the lower right to the upper left corner one arrives from below, and not from the right.
+    assert others == {(0, 1), (1, 0)}
+    assert {pair for pair, times in by_pair.items() if times > 1.05} == {(2, 3), (3, 2)}
+    assert [times for times in by_pair.values() if times <= 1.05] == [pytest.approx(1.0)] * 8
 
 
 def test_paths_lead_around_people_in_a_door(building):
@@ -202,6 +192,32 @@ def test_paths_lead_around_people_in_a_door(building):
     straight = building.paths.between(*ends)[0]
     assert straight < 1.5
     assert paths_around(building, places).between(*ends)[0] > 4 * straight
+
+
+def test_a_world_with_room_for_fewer_queries_is_refused(building, queries, monkeypatch):
+    for module in (change, lifelong):
+        monkeypatch.setattr(module, "draw_trials", lambda *_: queries)
+    with pytest.raises(InputError, match="world 20001 has room for 24"):
+        lifelong.drawn(20_001, 0, 25)
+    door = change.Doorway((), np.arange(1), {0: 1.5})
+    with pytest.raises(InputError, match="world 20001 has room for 24"):
+        change.lived((20_001, door, "oracle"), 0, change.Settings(queries=25))
+
+
+def test_a_twin_changes_its_own_map_and_not_the_other(building):
+    agent = with_map(building, TURNS)
+    twin = agent.twin(maintenance=None)
+    assert list(twin.sampled.graph.edges(data=True)) == list(agent.sampled.graph.edges(data=True))
+    assert twin.maintenance is None
+    assert twin.frames is agent.frames
+    edge, vertex = next(iter(twin.sampled.graph.edges)), next(iter(twin.sampled.redundant))
+    twin.upkeep.prune_edge(edge)
+    twin.upkeep.add_vertex(vertex)
+    twin.sampled.redundant.discard(vertex)
+    assert agent.sampled.graph.has_edge(*edge)
+    assert vertex not in agent.sampled.graph
+    assert vertex in agent.sampled.redundant
+    assert not agent.upkeep.events
 
 
 def test_an_agent_without_a_map_says_so(building):
@@ -236,16 +252,45 @@ def test_every_agent_has_a_row_for_each_block(monkeypatch):
     ]
 
 
-def test_a_robot_that_looks_around_is_no_longer_where_it_arrived(building, queries):
+def sent(building, queries, start):
+    """One robot that is sent from a pose to the first query's goal."""
     agent = learned(building)
     navigation = agent.start(deep_goals(queries.subset(np.zeros(1, int)), agent.model))
-    (state,) = navigation.states
+    simulation = Simulation(building.scene, [start], sensors=Sensors(with_depth=True))
+    return Informed(navigation, agent.model, simulation), navigation.states[0], simulation
+
+
+def test_a_robot_that_looks_around_is_no_longer_where_it_arrived(building, queries):
+    navigation, state, simulation = sent(building, queries, queries.starts[0])
     state.exits = {}  # no path leads to the goal
-    state.trusted = int(agent.sampled.vertices[0]), "trusted", None, np.zeros(3)
-    simulation = Simulation(building.scene, queries.starts[:1], sensors=Sensors(with_depth=True))
-    Informed(navigation, agent.model, simulation).act(simulation.observe(), np.zeros(1, int))
+    state.trusted = 0, "trusted", None, np.zeros(3)
+    navigation.act(simulation.observe(), np.zeros(1, int))
     assert state.trusted is None
     assert state.searched == 1
+
+
+def test_a_robot_that_is_wedged_where_it_looks_around_turns_to_the_other_side(building, queries):
+    navigation, state, simulation = sent(building, queries, [0.271, 0.381, 1.35])
+    state.exits = {}
+    turned = [0.0]
+    for _ in range(150):
+        before = simulation.poses[0, 2]
+        simulation.step(navigation.act(simulation.observe(), np.zeros(1, int)))
+        turned.append(turned[-1] + float(wrap(simulation.poses[0, 2] - before)))
+    assert max(turned) < 1.0
+    assert min(turned) < -np.pi
+    assert not simulation.collided.any()
+
+
+def test_a_robot_that_sets_off_to_the_goal_begins_its_search_anew(building, queries):
+    x, y, heading = queries.goal_poses[0]
+    start = x - 1.2 * np.cos(heading), y - 1.2 * np.sin(heading), heading
+    navigation, state, simulation = sent(building, queries, start)
+    state.searched = 40
+    navigation.act(simulation.observe(), np.zeros(1, int))
+    assert state.leg is not None
+    assert state.leg.target == GOAL
+    assert state.searched == 0
 
 
 @pytest.mark.full
