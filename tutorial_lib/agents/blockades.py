@@ -20,6 +20,7 @@ MEMORY = 120.0
 """Seconds for which a stretch that could not be passed is excluded."""
 _ROOM = 0.6  # metres that a robot moves at most while it waits
 _LANE = 0.1  # metres on either side of the line to a waypoint
+_WIDE = 0.5  # metres around a point that belong to the same obstacle
 _SHORT = 0.3  # metres before the waypoint where the lane ends
 _NEARBY = 2.5  # metres within which a robot is still where it could not pass
 
@@ -43,6 +44,13 @@ def nearest_in_the_way(laser: NDArray[np.floating], waypoint: Array) -> Array:
     beam = int(np.where(on_lane[0], along[0], np.inf).argmin())
     angle = full_circle(len(laser))[beam]
     return laser[beam] * np.array([np.cos(angle), np.sin(angle)])
+
+
+def seen_with(laser: NDArray[np.floating], point: Array) -> Array:
+    """(P, 2) what the laser (B,) sees around a point (2,): the rest of what stands there."""
+    angles = full_circle(len(laser))
+    seen = laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return seen[np.hypot(*(seen - point).T) < _WIDE]
 
 
 def _on_lane(

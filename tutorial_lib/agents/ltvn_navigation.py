@@ -13,21 +13,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.blockades import in_the_way, nearest_in_the_way
+from tutorial_lib.agents.blockades import in_the_way, nearest_in_the_way, seen_with
 from tutorial_lib.agents.ltvn_state import GOAL, Leg, RobotState, TravelSettings
 from tutorial_lib.driving.control.three_point import Stillness, ThreePointTurn
-from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
 from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world, wrap
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded, shortest_paths
 from tutorial_lib.topology.mapping.image_pool import length
+from tutorial_lib.topology.mapping.obstructed import obstructed
 from tutorial_lib.topology.mapping.sampling_map import SampledMap
 from tutorial_lib.validation import floats, instances
 from tutorial_lib.world.simulation import STEP
 
 _ALL = 4 * np.pi  # rad that a robot turns while it searches
-_BESIDE = 0.3  # metres from an obstacle within which an edge leads through it
 _FACING = 0.3  # rad from the wanted heading within which a turn is over
 _TURNING = 20.0  # seconds after which a turn has failed
 _RECOVERING = 50  # steps that a robot turns before it tries again what has just failed
@@ -155,7 +154,7 @@ class LTVNNavigation:
             success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
         else:
             success = seen and float(length(waypoint[0])) < self._map.rules.connect
-        blocked = () if executed else self._blocked(observation, leg)
+        blocked = () if executed else self._blocked(observation, edge, leg.aim)
         done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by, blocked)
         self.traversals.append(done)
         if self._mends:
@@ -168,25 +167,19 @@ class LTVNNavigation:
             kind = "trusted" if success else "presumed"
             state.trusted = leg.target, kind, edge, waypoint[0] if seen else place
 
-    def _blocked(self, observation: Observation, leg: Leg) -> tuple[Edge, ...]:
-        """The edges that lead through what the laser sees before the target, in both directions.
+    def _blocked(self, observation: Observation, edge: Edge, aim: Array) -> tuple[Edge, ...]:
+        """What leads through what the laser sees before the edge's target, which is at `aim` (3,).
 
-        The map knows from waypoint to waypoint where the vertices around are (ours).
+        None if it sees nothing there.
         """
-        odometry, graph = observation.odometry[0], self._map.graph
-        aim = to_local(odometry, leg.aim[:2])[None]
-        if not in_the_way(observation.laser, aim)[0] or not graph.has_edge(leg.source, leg.target):
+        odometry, laser = observation.odometry[0], observation.laser[0]
+        ahead = to_local(odometry, aim[:2])
+        known = self._map.graph.has_edge(*edge)
+        if not known or not in_the_way(laser[None], ahead[None])[0]:
             return ()
-        known = graph.edges[leg.source, leg.target]["waypoint"]
-        places = {leg.target: leg.aim, leg.source: compose(leg.aim, inverse(np.array(known)))}
-        for vertex in (leg.source, leg.target):
-            for _, other, edge in graph.out_edges(vertex, data=True):
-                places.setdefault(other, compose(places[vertex], np.array(edge["waypoint"])))
-        obstacle = to_world(odometry, nearest_in_the_way(observation.laser[0], aim[0]))
-        edges = list(graph.subgraph(places).edges)
-        ends = np.array([[*places[a][:2], *places[b][:2]] for a, b in edges])
-        near = distance_to_segments(obstacle[None], ends)[0] < _BESIDE
-        return tuple(edge for edge, closed in zip(edges, near, strict=True) if closed)
+        obstacles = to_world(odometry, seen_with(laser, nearest_in_the_way(laser, ahead)))
+        loosened = self._map.rules.connect * self._upkeep.rules.loosened
+        return obstructed(self._map, edge, aim, obstacles, loosened)
 
     def _is_there(self, observation: Observation, robot: int) -> bool:
         """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""
@@ -268,10 +261,11 @@ class LTVNNavigation:
         """Drive to a waypoint (3,) in the robot's frame."""
         settings = self._settings
         aim = compose(observation.odometry[0], waypoint)
-        until = self._now[robot] + settings.spare + settings.slow * np.hypot(*waypoint[:2])
         measured = None if seen is None else float(length(seen))
         edge = self._map.graph.get_edge_data(source, target, {})
         reverse, turn = bool(edge.get("reverse", False)), "turn" in edge
+        slow = settings.slow * (2.0 if reverse else 1.0)  # a car reverses at half its speed
+        until = self._now[robot] + settings.spare + slow * np.hypot(*waypoint[:2])
         if turn:
             until = self._now[robot] + _TURNING
             self._begin_turn(observation, robot, float(wrap(waypoint[2])))

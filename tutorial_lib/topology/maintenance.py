@@ -130,7 +130,7 @@ class MaintenanceRules:
     prune: float = 0.2
     share_blame: bool = True
     returns: int = 60
-    returns_blocked: int = 10
+    returns_blocked: int = 20
     expand: bool = True
     loosened: float = 1.6
 
@@ -217,6 +217,8 @@ class Maintenance:
         price: times that an edge in reverse counts as long.
         events: all changes so far.
         query: the number of the current one.
+        closed: pairs of images that no edge joins, but between which something was seen to stand;
+            and the query in which they may be joined again.
     """
 
     def __init__(
@@ -227,6 +229,7 @@ class Maintenance:
         self.noise = number("noise", noise, above=0.0)
         self.events: list[Event] = []
         self.query = 0
+        self.closed: dict[Edge, float] = {}
         self._pruned: dict[Edge, _Pruned] = {}
         self._times: defaultdict[Edge, int] = defaultdict(int)
         self._worked: set[Edge] = set()
@@ -239,6 +242,7 @@ class Maintenance:
     def begin(self, query: int) -> None:
         """A query begins; edges whose time has come return."""
         self.query = whole("query", query, least=0)
+        self.closed = {pair: due for pair, due in self.closed.items() if due > query}
         for edge in [edge for edge, pruned in self._pruned.items() if pruned.due <= query]:
             self.bring_back(edge)
 
@@ -250,6 +254,8 @@ class Maintenance:
         for edge in traversal.blocked:
             if self.graph.has_edge(*edge):
                 self.prune_edge(edge, blocked=True)
+            else:
+                self.closed[edge] = self.query + (self.rules.returns_blocked or np.inf)
         source, target = traversal.edge
         if not self.graph.has_edge(source, target):
             return  # another robot has pruned it meanwhile

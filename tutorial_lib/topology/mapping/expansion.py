@@ -68,9 +68,12 @@ def _through_new(
     if not new:
         return None
     sources, targets, costs = sampled.links(sampled.rules.connect * upkeep.rules.loosened)
-    added = np.zeros(len(sampled.pool), dtype=bool)
+    count = len(sampled.pool)
+    added = np.zeros(count, dtype=bool)
     added[list(new)] = True
     some = added[sources] | added[targets]  # the map knows its own edges
+    closed = [source * count + target for source, target in upkeep.closed]
+    some &= ~np.isin(sources * count + targets, closed)
     trial = nx.DiGraph()
     trial.add_weighted_edges_from(
         zip(sources[some].tolist(), targets[some].tolist(), costs[some].tolist(), strict=True),
