@@ -384,6 +384,8 @@ DOORS = {
 NEEDS = "needs a map of turned panoramas, see `tests/agents/test_returning.py`"
 USED = "takes a map that `SampledMap` and `build` made"
 WITHOUT = {
-    **{"ReturningAgent.start": NEEDS, "ReturningAgent.act": NEEDS},
-    **{"LTVNAgent.use": USED, "LTVNAgent.twin": USED},
+    "ReturningAgent.start": NEEDS,
+    "ReturningAgent.act": NEEDS,
+    "LTVNAgent.use": USED,
+    "LTVNAgent.twin": USED,
 }
