@@ -927,7 +927,7 @@ noisy_track, noisy_states, _ = follow(
 )
 picture = with_drive(slider_view, anchors, 4)
 for robot in range(1, 5):
-    slider_view.polyline(picture, noisy_track[:, robot, :2], colours.TRACK, 2)
+    slider_view.polyline(picture, noisy_track[:, robot, :2], colours.TRACK, 6)
 slider_view.polyline(picture, noisy_track[:, 0, :2], colours.ROBOT, 2)
 metres = [covered(poses, noisy_track[:, robot]) for robot in range(5)]
 print(f"followed, of {arc[-1]:.1f} m: {metres[0]:.1f} m without noise; with noise ", end="")
