@@ -644,7 +644,7 @@ show(
 figure, (axis,) = chart(6.6, 3.6)
 for i, (agent, name, tone) in enumerate(
     (
-        ("nts", "keeps its map", colours.FAINT),
+        ("nts", "keeps its map", colours.TRACK),
         ("nts_forgets", "forgets", GREY),
         ("nts_closing", "keeps it, and closes loops", colours.ROBOT),
     )
