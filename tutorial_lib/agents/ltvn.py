@@ -21,12 +21,15 @@ from tutorial_lib.topology.mapping.image_pool import ImagePool
 from tutorial_lib.topology.mapping.sampling_map import SampledMap, SamplingRules, sampled_map
 from tutorial_lib.topology.mapping.sparsify import contextified
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings
-from tutorial_lib.validation import instance, instances, number, whole, with_methods
+from tutorial_lib.validation import instance, instances, number, one_of, whole, with_methods
 
 BACKING = RMPController(reverse_cost=0.3)
 """Drives in reverse where it can."""
 TURNS = TurnSettings(reach=0.6)
 """Nearer than for Meng's map: where it has turned a robot must be at the target."""
+
+TWINS = ("controller", "backing", "maintenance", "travel")
+"""Attributes in which agents on the same map may differ."""
 
 
 @dataclass(kw_only=True)
@@ -104,7 +107,13 @@ class LTVNAgent:
         self.upkeep = Maintenance(sampled.graph, rules, price, noise)
 
     def twin(self, **changed: Any) -> LTVNAgent:  # noqa: ANN401 - of its attributes
-        """An agent with a copy of this one's map, and with other attributes, such as `travel`."""
+        """An agent with a copy of this one's map, whose maintenance begins anew.
+
+        Args:
+            changed: attributes that a map does not depend on, see `TWINS`.
+        """
+        for name in changed:
+            one_of("changed", name, TWINS)
         made = replace(self, **changed)
         made.frames = self.frames
         made.use(self.sampled.copy())

@@ -154,7 +154,7 @@ class LTVNNavigation:
             success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
         else:
             success = seen and float(length(waypoint[0])) < self._map.rules.connect
-        blocked = () if executed else self._blocked(observation, edge, leg.aim)
+        blocked = () if executed else self._blocked(observation, leg)
         done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by, blocked)
         self.traversals.append(done)
         if self._mends:
@@ -167,19 +167,18 @@ class LTVNNavigation:
             kind = "trusted" if success else "presumed"
             state.trusted = leg.target, kind, edge, waypoint[0] if seen else place
 
-    def _blocked(self, observation: Observation, edge: Edge, aim: Array) -> tuple[Edge, ...]:
-        """What leads through what the laser sees before the edge's target, which is at `aim` (3,).
-
-        None if it sees nothing there.
-        """
+    def _blocked(self, observation: Observation, leg: Leg) -> tuple[Edge, ...]:
+        """The links through the obstacle before a leg's target; empty if the laser sees none."""
         odometry, laser = observation.odometry[0], observation.laser[0]
-        ahead = to_local(odometry, aim[:2])
-        known = self._map.graph.has_edge(*edge)
-        if not known or not in_the_way(laser[None], ahead[None])[0]:
+        ahead, edge = to_local(odometry, leg.aim[:2]), (leg.source, leg.target)
+        known = self._map.graph.get_edge_data(*edge)
+        if not self._mends or known is None or not in_the_way(laser[None], ahead[None])[0]:
             return ()
         obstacles = to_world(odometry, seen_with(laser, nearest_in_the_way(laser, ahead)))
+        source = compose(leg.aim, inverse(np.array(known["waypoint"])))
+        seen = None if leg.measured is None else leg.aim
         loosened = self._map.rules.connect * self._upkeep.rules.loosened
-        return obstructed(self._map, edge, aim, obstacles, loosened)
+        return obstructed(self._map, edge, source, obstacles, loosened, seen)
 
     def _is_there(self, observation: Observation, robot: int) -> bool:
         """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""
@@ -264,7 +263,7 @@ class LTVNNavigation:
         measured = None if seen is None else float(length(seen))
         edge = self._map.graph.get_edge_data(source, target, {})
         reverse, turn = bool(edge.get("reverse", False)), "turn" in edge
-        slow = settings.slow * (2.0 if reverse else 1.0)  # a car reverses at half its speed
+        slow = settings.slow * (2.0 if reverse else 1.0)  # a car is slower in reverse
         until = self._now[robot] + settings.spare + slow * np.hypot(*waypoint[:2])
         if turn:
             until = self._now[robot] + _TURNING

@@ -31,7 +31,8 @@ class TravelSettings:
         trust: whether a robot that arrived counts as being there.
         patience: seconds that an edge which failed is avoided.
         search: seconds of turning after which a robot that cannot localize gives up.
-        slow: seconds a metre after which a traversal has failed, and `spare` seconds more.
+        slow: seconds a metre after which a traversal has failed, twice as many in reverse; and
+            `spare` seconds more.
         spare: see `slow`.
     """
 

@@ -8,7 +8,7 @@ before, and the return of pruned edges.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import networkx as nx
@@ -114,7 +114,8 @@ class MaintenanceRules:
         share_blame: whether the edge before shares the blame (ours).
         returns: queries after which a pruned edge comes back that had worked before, twice as many
             each time that it is pruned again; 0 for never (ours).
-        returns_blocked: the same where something stood in the way, always as many (ours).
+        returns_blocked: the same where something stood in the way, always as many (ours); until
+            then nothing is joined through it.
         expand: whether unused images are tried where no path is left.
         loosened: D_c times this for such images.
     """
@@ -184,8 +185,8 @@ class Traversal:
         success: whether it arrived at the target, as far as it can tell.
         measured: d(w) of the target, predicted from where it set off; none if it was not seen.
         arrived_by: the edge on which it came to the source; none if it was localized there.
-        blocked: the edges that lead through what stood in its way, this one among them; none
-            where nothing did.
+        blocked: the edges that lead through what stood in its way, this one among them, and pairs
+            of images between which it stood; none where nothing did.
         looked: the robot has not driven: it saw from the source that the target is not there.
     """
 
@@ -239,6 +240,11 @@ class Maintenance:
         """The edges that are pruned now, as they were at first."""
         return {edge: pruned.attributes for edge, pruned in self._pruned.items()}
 
+    @property
+    def blocked(self) -> set[Edge]:
+        """Those of them where something stood in the way."""
+        return {edge for edge, pruned in self._pruned.items() if pruned.blocked}
+
     def begin(self, query: int) -> None:
         """A query begins; edges whose time has come return."""
         self.query = whole("query", query, least=0)
@@ -254,8 +260,10 @@ class Maintenance:
         for edge in traversal.blocked:
             if self.graph.has_edge(*edge):
                 self.prune_edge(edge, blocked=True)
-            else:
-                self.closed[edge] = self.query + (self.rules.returns_blocked or np.inf)
+            elif edge not in self._pruned:
+                self.closed[edge] = self._reopens()
+            elif self._pruned[edge].blocked:
+                self._pruned[edge] = replace(self._pruned[edge], due=self._reopens())
         source, target = traversal.edge
         if not self.graph.has_edge(source, target):
             return  # another robot has pruned it meanwhile
@@ -300,9 +308,9 @@ class Maintenance:
         """Take an edge out of the graph, until it returns."""
         rules, gone = self.rules, dict(self.graph.edges[edge])
         wait = rules.returns * 2 ** self._times[edge] if edge in self._worked else 0
-        if blocked:
-            wait = rules.returns_blocked
         due = self.query + wait if wait else np.inf
+        if blocked:
+            due = self._reopens()
         self._times[edge] += not blocked
         self._pruned[edge] = _Pruned(gone, due, blocked)
         self.graph.remove_edge(*edge)
@@ -319,6 +327,10 @@ class Maintenance:
         before = dict(self.graph.edges[edge]) if self.graph.has_edge(*edge) else None
         self.graph.add_edge(*edge, **again)
         self.events.append(Event(self.query, "returned", edge, before, again))
+
+    def _reopens(self) -> float:
+        """The query in which what is blocked now is tried again."""
+        return self.query + (self.rules.returns_blocked or np.inf)
 
     def add_vertex(self, vertex: int) -> None:
         """Add a vertex without edges."""

@@ -41,12 +41,18 @@ def building():
 @pytest.fixture(autouse=True)
 def one_building(building, monkeypatch):
     """Every world is this room."""
+    kept = (change._surveyed, lifelong.drawn, lifelong._mapped)
+    for function in kept:
+        function.cache_clear()
     for module in (change, finetune, label, lifelong, model):
         monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
     for module in (change, finetune, label, lifelong, model, spurious):
         monkeypatch.setattr(module, "for_each", in_turn)
     # Robots that never arrive take longest.
     monkeypatch.setattr(navigation, "GRACE", 10.0)
+    yield
+    for function in kept:
+        function.cache_clear()
 
 
 @cache
@@ -218,6 +224,8 @@ def test_a_twin_changes_its_own_map_and_not_the_other(building):
     assert vertex not in agent.sampled.graph
     assert vertex in agent.sampled.redundant
     assert not agent.upkeep.events
+    with pytest.raises(InputError, match="rules"):
+        agent.twin(rules=SamplingRules())
 
 
 def test_an_agent_without_a_map_says_so(building):

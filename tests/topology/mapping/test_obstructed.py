@@ -17,7 +17,10 @@ FRAME = np.array([2.0, -1.0, 0.7])
 
 @pytest.fixture
 def made():
-    return build(pool_of(corridor()), RULES, np.random.default_rng(0))
+    """A map that does not know where images are that it did not accept."""
+    made = build(pool_of(corridor()), RULES, np.random.default_rng(0))
+    made.pool.waypoints[~made.accepted] = 0.0
+    return made
 
 
 def crossing(pairs):
@@ -27,23 +30,42 @@ def crossing(pairs):
     return {pair for pair, (low, high) in at if low < 6.0 + BESIDE and high > 6.0 - BESIDE}
 
 
-def test_what_leads_through_an_obstacle_is_all_that_crosses_it_and_nothing_else(made):
-    edge = next(iter(sorted(crossing(made.graph.edges))))
-    target = compose(FRAME, corridor()[edge[1]])
-    obstacles = compose(FRAME, np.column_stack([ACROSS, np.zeros(len(ACROSS))]))[:, :2]
-    found = obstructed(made, edge, target, obstacles, 1.6 * RULES.connect)
-    assert len(found) == len(set(found))
+def all_links(made):
     sources, targets, _ = made.links(1.6 * RULES.connect)
-    links = set(zip(sources.tolist(), targets.tolist(), strict=True))
-    assert crossing(found) == crossing(links | set(made.graph.edges))
-    back = [pair for pair in found if min(pair) >= 40]
-    assert not back  # nothing joins the two directions here: where those images are is not known
+    return set(zip(sources.tolist(), targets.tolist(), strict=True)) | set(made.graph.edges)
 
 
-def test_an_obstacle_elsewhere_closes_nothing(made):
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("sees", [False, True])
+def test_what_leads_through_an_obstacle_is_all_that_crosses_it_and_nothing_else(
+    made, reverse, sees
+):
+    edges = sorted(crossing(made.graph.edges))
+    edge = next(edge for edge in edges if made.graph.edges[edge]["reverse"] == reverse)
+    source, target = (compose(FRAME, corridor()[image]) for image in edge)
+    obstacles = compose(FRAME, np.column_stack([ACROSS, np.zeros(len(ACROSS))]))[:, :2]
+    known = target if sees else None
+    found = obstructed(made, edge, source, obstacles, 1.6 * RULES.connect, known)
+    assert len(found) == len(set(found))
+    assert crossing(found) == crossing(all_links(made))
+    # Nothing joins the two directions here: where images that look back are is not known.
+    assert not [pair for pair in found if min(pair) >= 40]
+
+
+def test_an_obstacle_elsewhere_closes_only_the_edge_itself(made):
     edge = next(iter(made.graph.edges))
     far = np.add(corridor()[edge[1], :2], (0.0, 3.0))
-    assert obstructed(made, edge, corridor()[edge[1]], far[None], 2.5) == ()
+    assert obstructed(made, edge, corridor()[edge[0]], far[None], 2.5) == (edge,)
+
+
+def test_where_a_mistaken_edge_is_blocked_nothing_around_its_true_target_is_closed(made):
+    """An edge from 2 m to 12 m says that it is a metre long; the robot stands before a wall."""
+    edge, poses = (5, 30), corridor()
+    made.graph.add_edge(*edge, **made.attributes(5, 7) | {"waypoint": (1.0, 0.0, 0.0)})
+    wall = np.column_stack([np.full(7, poses[5, 0] + 0.6), np.linspace(-0.3, 0.3, 7)])
+    found = obstructed(made, edge, poses[5], wall, 2.5)
+    assert edge in found
+    assert all(poses[list(pair), 0].max() < 7.5 for pair in found if pair != edge)
 
 
 def test_a_map_is_not_expanded_through_what_is_closed_until_that_is_over(made):
@@ -53,8 +75,7 @@ def test_a_map_is_not_expanded_through_what_is_closed_until_that_is_over(made):
     ahead = [v for v in made.graph if v < 40]
     here, there = min(ahead, key=lambda v: poses[v, 0]), max(ahead, key=lambda v: poses[v, 0])
     upkeep = Maintenance(made.graph, MaintenanceRules(returns_blocked=10), 4.0, 0.04)
-    sources, targets, _ = made.links(1.6 * RULES.connect)
-    closed = crossing(zip(sources.tolist(), targets.tolist(), strict=True))
+    closed = crossing(all_links(made))
     upkeep.begin(3)
     edge = next(iter(made.graph.edges))
     upkeep.experienced(Traversal(edge, "trusted", False, blocked=tuple(closed)))
@@ -65,6 +86,36 @@ def test_a_map_is_not_expanded_through_what_is_closed_until_that_is_over(made):
     upkeep.begin(13)
     assert not upkeep.closed
     assert expanded(made, upkeep, here, {there})
+
+
+def test_what_is_blocked_returns_only_where_nothing_else_helps(made):
+    upkeep = Maintenance(made.graph, MaintenanceRules(returns=0, expand=False), 4.0, 0.04)
+    edges = [edge for edge in made.graph.edges if crossing([edge])]
+    last = max(edges, key=lambda edge: made.graph.edges[edge]["cost"])
+    for edge in edges:
+        upkeep.prune_edge(edge, blocked=edge != last)
+    assert upkeep.blocked == set(edges) - {last}
+    assert expanded(made, upkeep, last[0], {last[1]})
+    assert [event.edge for event in upkeep.events if event.kind == "returned"] == [last]
+    upkeep.prune_edge(last)
+    assert expanded(made, upkeep, last[0], {last[1]}, {last})
+
+
+def test_what_is_blocked_again_returns_later():
+    made = build(pool_of(corridor()), RULES, np.random.default_rng(0))
+    upkeep = Maintenance(made.graph, MaintenanceRules(returns_blocked=10), 4.0, 0.04)
+    edge, other = list(made.graph.edges)[:2]
+    upkeep.begin(0)
+    upkeep.experienced(Traversal(edge, "trusted", False, blocked=(edge, (0, 79))))
+    upkeep.begin(6)
+    upkeep.experienced(Traversal(other, "trusted", False, blocked=(other, edge, (0, 79))))
+    upkeep.begin(10)
+    assert not made.graph.has_edge(*edge)
+    assert set(upkeep.closed) == {(0, 79)}
+    upkeep.begin(16)
+    assert made.graph.has_edge(*edge)
+    assert made.graph.has_edge(*other)
+    assert not upkeep.closed
 
 
 def test_where_what_is_blocked_never_returns_it_stays_closed(made):

@@ -12,6 +12,8 @@ import numpy as np
 from tutorial_lib.topology.maintenance import Edge, Maintenance
 from tutorial_lib.topology.mapping.sampling_map import SampledMap
 
+_LAST = 1e3  # times that a blocked edge counts as long: it is tried last
+
 
 def expanded(
     sampled: SampledMap,
@@ -22,8 +24,9 @@ def expanded(
 ) -> bool:
     """Look for a path from a vertex to one of the exits, over new images or over pruned edges.
 
-    Only what is on the path is kept; the other images stay unused. Pruned edges come back only
-    where the map has no path at all, not even over what the robot avoids for now.
+    Only what is on the path is kept; the other images stay unused, and none joins what is closed.
+    Pruned edges come back only where the map has no path at all, not even over what the robot
+    avoids for now; those that were blocked only where no others help.
 
     Args:
         sampled: the map.
@@ -41,10 +44,11 @@ def expanded(
     graph.remove_edges_from(avoided)
     path = _through_new(sampled, upkeep, graph, here, exits) if upkeep.rules.expand else None
     if path is None and _path(sampled.graph, here, exits) is None:
-        graph = sampled.graph.copy()
-        graph.add_edges_from(
-            (*edge, known) for edge, known in upkeep.pruned.items() if edge not in avoided
-        )
+        graph, blocked = sampled.graph.copy(), upkeep.blocked
+        for edge, known in upkeep.pruned.items():
+            if edge not in avoided:
+                price = _LAST if edge in blocked else 1.0
+                graph.add_edge(*edge, cost=known["cost"] * price)
         path = _path(graph, here, exits)
     if path is None:
         return False
