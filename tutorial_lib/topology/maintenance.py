@@ -8,7 +8,7 @@ before, and the return of pruned edges.
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import networkx as nx
@@ -261,9 +261,7 @@ class Maintenance:
             if self.graph.has_edge(*edge):
                 self.prune_edge(edge, blocked=True)
             elif edge not in self._pruned:
-                self.closed[edge] = self._reopens()
-            elif self._pruned[edge].blocked:
-                self._pruned[edge] = replace(self._pruned[edge], due=self._reopens())
+                self.closed.setdefault(edge, self._reopens())
         source, target = traversal.edge
         if not self.graph.has_edge(source, target):
             return  # another robot has pruned it meanwhile
