@@ -85,6 +85,18 @@ def test_to_the_other_side_is_to_the_same_heading_and_no_further(side, angle, be
     assert turn._side[0] == -side
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_car_that_is_stuck_on_its_way_back_turns_on_instead(side):
+    turn, robots = ThreePointTurn(1), np.zeros(1, int)
+    turn.begin(robots, np.zeros((1, 3)), np.array([side * 1.5]))
+    for turned_ in np.arange(0.5, 3.0, 0.5):  # beyond the heading, until it is to turn back
+        turn._sides(np.array([[0.0, 0.0, side * turned_]]), robots)
+    assert turn._side[0] == -side
+    turn.turn_back(robots, np.array([[0.0, 0.0, side * 2.5]]))
+    assert turn._side[0] == side
+    assert side * turn._angle[0] == pytest.approx(2 * np.pi - 1.0)
+
+
 def test_who_turns_all_round_turns_all_round_to_the_other_side():
     turn, robots = ThreePointTurn(1), np.zeros(1, int)
     turn.begin(robots, np.zeros((1, 3)), np.array([4 * np.pi]))

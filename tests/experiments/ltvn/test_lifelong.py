@@ -290,6 +290,18 @@ def test_a_robot_that_is_wedged_where_it_looks_around_turns_to_the_other_side(bu
     assert not simulation.collided.any()
 
 
+def test_an_edge_in_reverse_gets_twice_the_time(building, queries):
+    navigation, state, simulation = sent(building, queries, queries.starts[0])
+    navigation, seen = navigation.navigation, simulation.observe()
+    edges = navigation._map.graph.edges(data=True)
+    seconds = []
+    for reverse in (False, True):
+        edge = next((a, b) for a, b, one in edges if one["reverse"] == reverse)
+        navigation._set_off(seen, 0, *edge, "local", None, np.array([2.0, 0.0, 0.0]))
+        seconds.append(state.leg.until - navigation._settings.spare)
+    assert seconds == [6.0, 12.0]
+
+
 def test_a_robot_that_sets_off_to_the_goal_begins_its_search_anew(building, queries):
     x, y, heading = queries.goal_poses[0]
     start = x - 1.2 * np.cos(heading), y - 1.2 * np.sin(heading), heading
