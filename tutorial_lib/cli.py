@@ -26,16 +26,16 @@ from tutorial_lib.errors import InputError, Notice, words_of
 COMMANDS = {
     "lab": "open JupyterLab on the first notebook; arguments go to it",
     "copy": "copy the pages of an installed course to a folder, as lab does before it opens them",
-    "demo": "navigate once by sight; leaves demo.webm, demo.png, demo.json",
+    "demo": "navigate, explore or live in a building, on film; leaves demo.webm, .png and .json",
     "progress": "which exercises are done, in every notebook",
     "compile": "compile the numerical kernels now, which otherwise the first drive waits for",
     "mark": "check the answers that students handed in",
     "build": "write the notebooks from solutions/*.py",
-    "train": "train a network from scratch, data included",
+    "train": "train a network, data included",
     "experiment": "reproduce a table or figure; experiment --help lists them",
     "leaderboard": "put a class of your own beside the library's; prints templates, merges boards",
     "bench": "measure the speed of a part; bench --help lists them",
-    "results": "write the results page from its JSON files; --stale: which no longer fit",
+    "results": "write the results page from its JSON files; --stale: check which still fit",
     "reproduce": "measure stored results again, those that no longer fit or all",
 }
 """What each command does; all but "lab" are modules of `tutorial_lib.commands`."""

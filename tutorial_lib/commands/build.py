@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tutorial_lib.builder import build, write_contact_sheet, write_guides, write_slides
 from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.course import is_checkout
 from tutorial_lib.errors import InputError
@@ -30,6 +29,11 @@ def run(options: argparse.Namespace) -> int:
     """Write the guides, the notebooks, and the sheet of their first pictures."""
     if not is_checkout():
         raise InputError("build: only in the course's checkout, which has the sources")
+    try:
+        from tutorial_lib.builder import build, write_contact_sheet, write_guides, write_slides
+    except ImportError as error:
+        advice = '.venv/bin/python -m pip install -e ".[test]"'
+        raise InputError(f"build: {error}; install what it needs: {advice}") from error
     known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
     for name in options.names:
         if name not in known:

@@ -41,13 +41,13 @@ ABLATIONS = {
     "audit": "how many pairs labelled 0 without a rollout would be reached",
     "localization": "the Bayes filter by itself",
     "geometry": "the true geometry in place of the networks, for those that drive",
-    "rules": "the agent with rules of the paper that it has not",
+    "rules": "NTS with the rules of the paper that ours leaves out",
     "rl": "the paper's two baselines that learn by reinforcement",
     "exact": "motion and odometry without noise",
     "car": "the body of a car, which cannot turn in place",
     "carried": "lives in which somebody carries the robot elsewhere, twice",
     "changed": "lives in which a door closes, another opens, and furniture moves",
-    "ingredients": "the combined agent without one of its parts each",
+    "ingredients": "the combined agent without one of its parts at a time",
     "toured": "robots that were shown the building first, by an oracle or while exploring",
     "meng": "Meng's map, kept up to date and as it was built",
     "parts": "the agent without one of its parts at a time",
@@ -144,7 +144,9 @@ def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) ->
         metavar="A:B",
         help="seeds of the worlds, from A to B - 1",
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all else")
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="of all else that is random"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer episodes, same code")
     parser.set_defaults(table=table, scheduler="")
 
@@ -152,7 +154,10 @@ def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) ->
 def add_scheduler(parser: argparse.ArgumentParser) -> None:
     """Declare where the work is done; a benchmark measures this machine alone."""
     parser.add_argument(
-        "--scheduler", default="", metavar="tcp://HOST:PORT", help="of Dask, whose workers do it"
+        "--scheduler",
+        default="",
+        metavar="tcp://HOST:PORT",
+        help="a Dask scheduler, whose workers do it",
     )
 
 

@@ -47,7 +47,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "names", nargs="*", metavar="NAME", help="of results; the stale ones if none"
     )
     parser.add_argument("--all", action="store_true", help="the whole course, networks included")
-    parser.add_argument("--plan", action="store_true", help="only say what would run, and how long")
+    parser.add_argument(
+        "--plan",
+        action="store_true",
+        help="only say what would run, and how long; canaries tell what is stale",
+    )
     add_scheduler(parser)
 
 
