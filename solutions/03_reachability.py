@@ -208,7 +208,7 @@ bet = Prediction(
 display(bet)
 
 # %% [markdown]
-# **120 minutes, then 40.** Take a break after section 4. The second sitting begins with section 7. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes, then 40.** Take a break after section 4. The second sitting begins with section 7. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image: $\mathcal C_{WP}$ predicts a waypoint, and $\mathcal C_{RMP}$ drives there. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -352,7 +352,7 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the pattern right: walls, doors, ahead, behind and beside. But for targets beside the car it's too optimistic. Keep that in mind. And this morning's two cars? The line above the maps says it: B won't make it.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the order right. But for targets beside the car, or behind a wall, it's too optimistic. Keep that in mind. And this morning's two cars? The line above the maps says it: B won't make it.
 #
 # ### What keeps car B away?
 #
@@ -430,7 +430,7 @@ headings = {"target, m to the side": ".2f", "its first waypoint, m to the side":
 table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 
 # %% [markdown]
-# It levels off near 0.6. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and beyond that it predicts much the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
+# However far the target is to the side, the waypoint isn't much more than 0.6 m to the side. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and beyond that it predicts much the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
 #
 # ## 2 · Labels from rollouts
 #
@@ -845,7 +845,7 @@ show(from_figure(figure))
 #
 # ## 5 · Far look-alikes
 #
-# A topological map (notebook 05) asks RE about **all pairs** of its vertices, and most are far apart. Here are 120 images of your flat, each paired with every other. Watch the last column: pairs more than 5 m apart along the shortest path, with less than a tenth of either view in the other. None of those can be reached.
+# A topological map (notebook 05) asks RE about **all pairs** of its vertices, and most are far apart. Here are 120 images of your flat, each paired with every other. Watch the last column: pairs more than 5 m apart along the shortest path, with less than a tenth of each view in the other. None of those can be reached.
 
 # %% hidden=true
 # Query RE for all pairs of 120 frames, and show the worst
@@ -918,7 +918,7 @@ display(holes)
 # %% [markdown]
 # What counts isn't an estimator's error rate over all pairs, but over those that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. Random pairs hardly ever include such a mistake, so they can't teach a network to avoid it.
 #
-# So search for mistakes: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 images in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on one target in ten was mined.
+# So search for mistakes: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 images in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on, one training target in ten was one of these.
 
 # %% hidden=true
 # Read the library's training from its card
@@ -934,7 +934,7 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 #
 # 1. **Easy pairs**: every pair that already has a label. Each has weight 1.
 # 2. **[[Hard negative]]s**: of the unlabelled pairs that are far and occluded (`occluded`), those with a prediction above `sure`, highest first: at most `most` of them, and at most `each` with the same start image, or a single odd place would fill the list. A pair that's left out because its start already has enough doesn't count towards `most`. The label is 0, without a rollout.
-# 3. **Confident pairs**: of the unlabelled pairs that are *not* occluded and have a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
+# 3. **Confident pairs**: of the other unlabelled pairs, near ones behind a wall included, those with a prediction above `sure`: as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
 # 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Together they make up `share` of the total weight, easy pairs included.
 #
 # ### Exercise 5 · `mine_pairs` (large, 35 minutes)

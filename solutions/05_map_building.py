@@ -299,7 +299,7 @@ display(pencil)
 # %% [markdown]
 # ## 2 · Twelve drives
 #
-# That was Monday. By Friday your robot has twelve drives, from each of the four places to every other. Notebook 04's rule chose their anchors, with $k = 5$ and $p_\text{sparsify} = 0.99$. Now we query RE for **every** pair of anchors, once. That takes a few seconds; section 7 shows why a large map can't afford it. Poses are for *our* figures; the map never gets them.
+# That was Monday. By Friday your robot has twelve drives, from each of the four places to every other. Notebook 04's rule chose their anchors, with five images of context on either side ($k = 5$) and $p_\text{sparsify} = 0.99$. Now we query RE for **every** pair of anchors, once. That takes a few seconds; section 7 shows why a large map can't afford it. Poses are for *our* figures; the map never gets them.
 
 # %% hidden=true
 # All twelve drives, their anchors, and RE between all of them
@@ -502,7 +502,7 @@ ahead_of = check_ahead_of.use(ahead_of)
 #
 # 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the last vertex of the path so far: if the previous anchor was replaced, the robot stands on its replacement. *Onward* is RE to the next anchor, `own[i + 1]`, whatever becomes of it. At either end, take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
 # 2. **Add** each anchor that stays to the vertices, with its `trajectory` (the number of paths so far), its `place` (its index along `own`), and the vertices `before` and `after` it on the new path.
-# 3. **Join** each new vertex with every other vertex, old or new, in both directions: `edge_reach` is the pair's entry in `scores`. Until section 5, `scores` is `reach`.
+# 3. **Join** each new vertex with every other vertex, old or new, in both directions: `edge_reach` is the pair's entry in `scores`. Until section 5, `scores` is `reach`. Nothing is pruned here: `edge_weights` does that later.
 # 4. **Follow.** Each step from vertex to vertex of the new path is `driven`, and its `edge_reach` is at least the `reach` of the step. Append the path to `paths`.
 #
 # <details><summary>Hint 1: concept</summary>One loop for step 1, which never looks at edges. When the path is complete, you know which anchors stay: those that are on it themselves. Steps 2 to 4 need nothing else.</details>
@@ -693,7 +693,7 @@ table(head, rows)
 #
 # ## 4 · What nobody showed it
 #
-# Twelve drives, twelve starts. From each start, a path could lead to the end of any drive that ends elsewhere. That's 9 ends for each start, 108 paths; twelve of them were driven. Compare how many paths each kind of map holds, and at what price.
+# Twelve drives, twelve starts. From each start, a path could lead to the end of the nine drives that end elsewhere. That's 12 · 9 = 108 paths; twelve of them were driven. Compare how many paths each kind of map holds, and at what price.
 
 
 # %% hidden=true
@@ -939,7 +939,7 @@ swap = Prediction(
 display(swap)
 
 # %% [markdown]
-# So a car "drove" through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
+# Some of these wormholes count as driven. So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
 #
 # ## 6 · Your own rule
 #
@@ -1182,7 +1182,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>Why don't maps stop growing altogether?</summary>
-# A replacement must be reachable from the previous anchor <i>and</i> reach the next: a few decimetres off, and one of the two is a little too far. So the library lets an <b>edge</b> from $v$ to $w$ stand in where no vertex does: if RE from $v$ to the anchor, and from the anchor to $w$, is above p_between, the drive goes through $v$ and $w$. A lower p_reuse shrinks maps, too, but merges places that only look alike.
+# A replacement must be reachable from the previous anchor <i>and</i> reach the next: a few decimetres off, and one of the two is a little too far. So the library lets an <b>edge</b> from $v$ to $w$ stand in where no vertex does: if RE from $v$ to the anchor, and from the anchor to $w$, is above a threshold, p_between, the drive goes through $v$ and $w$. A lower p_reuse shrinks maps, too, but merges places that only look alike.
 # </details>
 #
 # ## 9 · What went wrong

@@ -334,7 +334,7 @@ head = {"map by": "", "vertices": "d", "edges": "d", "wormholes": "d", "share": 
 table({**head, "edges of a plan": ".1f"}, rows)
 
 # %% [markdown]
-# On the folded map, a plan is short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing comes before, and along a corridor of identical doors, the neighbours are twins, too.
+# On the first map, which is folded, since twins share their vertices, a plan is short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing comes before, and along a corridor of identical doors, the neighbours are twins, too.
 #
 # ## 3 · A belief
 #
@@ -348,7 +348,7 @@ table({**head, "edges of a plan": ".1f"}, rows)
 #
 # ### Predict
 #
-# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres; a turn counts, too. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, a share of about $d/\ell_v$ leaves for small $d$, and never more than all. Two motions of $d$ must leave as much behind as one of $2d$. Only one function does that:
+# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, a share of about $d/\ell_v$ leaves for small $d$, and never more than all. Two motions of $d$ must leave as much behind as one of $2d$. Only one function does that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
@@ -552,7 +552,7 @@ print(rules)
 # %% [markdown]
 # ### Exercise 4 · `track` (large, 35 minutes)
 #
-# At the start, nothing is known: the belief, which is also the first prior, is the same for all states, and the vertex is -1. At each step:
+# At the start, nothing is known: the belief, which is also the first prior, is the same for all states, and the vertex is -1: off the map. At each step:
 #
 # 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that's at least `rules.stride`, predict from the *belief*; the result is the new prior, and `pose` is the new `last`.
 # 2. If it has moved that far, or this is the first step, or `rules.interval` steps have passed since the last look: look, and update from the *prior*.
@@ -864,7 +864,7 @@ else:
 #
 # ### Exercise 5 · `around_cycles` (easy, 8 minutes)
 #
-# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported.
+# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported. Below, the library's count drives, which has more rules.
 #
 # <details><summary>Hint 1: concept</summary>First drop immediate repetitions, then count, then build a new graph.</details>
 # <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list; the first one has none before it, and counts. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, in which an edge to w has its RE times a power of the bias.</details>

@@ -261,7 +261,7 @@ length = check_length.use(length)
 # %% [markdown]
 # ## 3 · A map by sampling
 #
-# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks three questions of each; *reachable* means a high $\hat r$.
+# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks three questions of each; *reachable* means a high $\hat r$, and that the images between the two agree with it.
 #
 # - **is it mergeable** with a vertex: is one reachable from the other, and closer than $D_m$ in that direction? Then it's redundant: drop it.
 # - **is it connectable** to some vertex, in the same sense, but closer than $D_c$? Then it becomes a vertex, with an edge for *every* such pair.
@@ -411,7 +411,8 @@ more = next(number for number, belief in enumerate(later) if belief < PRUNE) - l
 streak = Prediction(
     "08",
     "streak",
-    "Five successes, one failure. How many more failures in a row until it's below the line?",
+    "A belief of 0.9, never above 0.97. Five successes, one failure: how many more failures in a "
+    "row until it's below the line?",
     {"A": "two", "B": "three", "C": "five, one for each success"},
     right="A",
     robot=f"{more}: {', '.join(f'{belief:.2f}' for belief in later[6 : 7 + more])}.",
@@ -472,7 +473,7 @@ def gaussian(mean, variance, measured, noise):
     """Mean and variance of an edge's length after a successful traversal.
 
     mean, variance: metres and square metres, before.
-    measured: metres, as predicted from where the robot set off.
+    measured: metres, d of the waypoint predicted where the robot set off.
     noise: square metres, the variance of such predictions.
     Returns the new mean and the new variance.
     """
@@ -490,7 +491,7 @@ gaussian = check_gaussian.use(gaussian)
 #
 # ### Exercise 5 · `live` (large, 30 minutes)
 #
-# A query is a start and a goal. For each, plan the shortest path in metres, drive its *first* edge, tell the map what happened, and plan again from where you are. A failure leaves the robot where it was. An edge that failed is left out for the rest of the query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins.
+# A query is a start and a goal. For each, plan the shortest path in metres, drive its *first* edge, update the belief in that edge, and plan again from where you are. Lengths stay as they are. A failure leaves the robot where it was. An edge that failed is left out for the rest of the query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins; if start and goal are one, it has arrived.
 #
 # How you keep the books is up to you. The check runs your loop in small buildings with a wormhole, a shut door and a flaky edge.
 #
@@ -758,7 +759,7 @@ expand = check_expand.use(expand)
 # %% [markdown]
 # ## 8 · The door, once more
 #
-# Back to the office: the same map, the same six trips, but now each drive changes the map. What was blocked comes back after 12 queries, or two days.
+# Back to the office: the same map, the same six trips, but now each drive changes the map. The first day was yesterday, the second this morning. What was blocked comes back after 12 queries, or two days.
 
 # %% hidden=true
 # Three more days on the map that learns (about 20 s)

@@ -151,7 +151,7 @@ display(memory)
 #
 # ## 1 · One life
 #
-# Here's one life of your robot in your flat. It keeps its map, and has 300 actions for each photo. Of four such lives, drift hurts most in this one. Dark dots are its nodes, drawn **where it thinks they are**, as seen from where it stands. After one visit, all are within a metre of where they should be.
+# Here's one life of your robot in your flat. It keeps its map, and has 300 actions for each photo. Of four such lives, drift hurts most in this one. The robot is drawn where it is, and its nodes, dark dots, **where they'd be if its odometry were right**. After one visit, all are within a metre of where they should be.
 
 
 # %% hidden=true
@@ -245,7 +245,7 @@ display(compass)
 # %% [markdown]
 # Vermilion nodes are more than a metre off; the thin lines lead to where they really are. An edge still spans a few metres of odometry. But each was recorded with a different heading error, and a chain of edges adds them up. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
 #
-# What's odd? The robot passes its old nodes all the time. It *recognises* them, by $\mathcal F_L$. But recognising a place doesn't tell you *your pose in it*.
+# What's odd? The robot passes its old nodes all the time. It *recognises* them: notebook 09's $\mathcal F_L$ says whether a panorama belongs to a node. But recognising a place doesn't tell you *your pose in it*.
 #
 # ## 2 · What the walls say
 #
@@ -372,7 +372,7 @@ display(slides)
 #
 # ### Exercise 1 · `match` (large, 30 minutes)
 #
-# Odometry gives a guess of the robot's pose in the node's frame. The guess is at most 0.5 m and 15° off. Find the pose near it that fits best, to within 0.1 m and 3°.
+# Odometry gives a guess of the robot's pose in the node's frame. The guess is nearly always within 0.5 m and 15°; try no farther. Find the pose near it that fits best, to within 0.1 m and 3°.
 #
 # Trying everything in steps of 5 cm and 1° would take 13,000 poses. Your robot matches hundreds of times in its life, so you can afford about a thousand poses each time. How do you get up the hill? There's more than one way.
 #
@@ -389,7 +389,7 @@ def match(node, seen, guess):
     them.
     seen: array (192,), the same as the robot sees it now.
     guess: array (3,), x, y (metres) and heading (radians) of the robot in the
-    node's frame, by odometry; at most 0.5 m and 15 degrees off.
+    node's frame, by odometry; nearly always within 0.5 m and 15 degrees.
     Returns the pose (3,) near the guess that fits best.
     """
     ### BEGIN SOLUTION
@@ -521,7 +521,7 @@ accept = check_accept.use(accept)
 def correct(node, pose, odometry):
     """The correction of the odometry that follows from a match.
 
-    node: pose (3,) of the node on the map.
+    node: here the pose (3,) of the node on the map.
     pose: pose (3,) of the robot in the node's frame, by the match.
     odometry: pose (3,) of the robot as its odometry has it.
     Returns the pose (3,) T for which compose(T, odometry) is where the robot
@@ -749,7 +749,7 @@ table(head, rows, best, f"of 90 goals each; never passed: of {min(few)} to {max(
 #
 # ## 6 · Your own robot
 #
-# **An open task.** The next cell *is* a file with a robot in it. Change the class, or write another one: `start`, `look_for` and `act` are all a robot needs. The score is **100 · SPL** over the ten visits above. Beat the robot of section 1, then your own from section 4, which is harder.
+# **An open task.** The next cell *is* a file with a robot in it. Change the class, or write another one: `start`, `look_for` and `act` are all a robot needs. The score is **100 · [[SPL]]** over the ten visits above. Beat the robot of section 1, then your own from section 4, which is harder.
 #
 # Three ways to start: other settings of `LifelongAgent`; what a ghost is worth, `_worth`; or a wrapper around any explorer, such as `ScanCorrected` from `tutorial_lib.agents.scan_corrected`.
 
