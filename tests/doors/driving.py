@@ -445,6 +445,7 @@ DOORS = {
         paths=a(paths()),
         starts=floats(POSES, ("N", 3)),
         targets=frames(),
+        field_of_view=number(2.0, above=0, most=2 * np.pi),
     ),
     "draw_reachability_pairs": lambda: call(
         driving.draw_reachability_pairs,
@@ -454,6 +455,7 @@ DOORS = {
         targets=whole(2, least=0, refuses="huge"),
         rng=a(rng()),
         perturbation=a(driving.PAPER_PERTURBATION),
+        field_of_view=number(2.0, above=0, most=2 * np.pi),
     ),
     "demonstrate": lambda: call(
         driving.demonstrate,

@@ -367,6 +367,7 @@ DOORS = {
         starts=floats(recorded().poses[ROWS], ("N", 3)),
         goals=floats(recorded().poses[ROWS], ("N", 3)),
         waypoints=floats(recorded().poses[ROWS, :2], ("N", 2)),
+        field_of_view=number(2.0, above=0, most=2 * np.pi),
     ),
 }
 WITHOUT = {"Reliability": "a result: what `reliability` measured"}

@@ -16,7 +16,7 @@ from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative
 from tutorial_lib.learning.batches import Batch, batches
-from tutorial_lib.learning.networks import VIEWS, Architecture
+from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.reach_batches import (
     FAR_IN_TIME,
     NEAR_IN_TIME,
@@ -25,6 +25,7 @@ from tutorial_lib.learning.reach_batches import (
     ProximitySource,
     by_target,
 )
+from tutorial_lib.learning.views import VIEWS
 
 K = 2
 ARRAYS = [field.name for field in fields(Batch)]

@@ -18,8 +18,9 @@ from tutorial_lib.learning import estimators, mining
 from tutorial_lib.learning.calibration import Calibration, sigmoid
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.learning.mining import OWN, HardNegativeMining, all_logits
-from tutorial_lib.learning.networks import ENCODERS, VIEWS, Architecture, LocalNetwork
+from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.policies import encoded
+from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.learning.weights import Card, digest_of, load_card, load_network, save_network
 from tutorial_lib.reading.checksums import with_checksum, without_checksum
 from tutorial_lib.world.scene import Scene

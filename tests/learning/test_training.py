@@ -1,6 +1,6 @@
 import io
 import threading
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import islice
 from pathlib import Path
 
@@ -16,10 +16,11 @@ from tutorial_lib.geometry import relative, to_local, to_world
 from tutorial_lib.learning import training
 from tutorial_lib.learning.batches import Batch, Source, batches, clutter
 from tutorial_lib.learning.losses import action_loss, context_loss, position_loss, waypoint_loss
-from tutorial_lib.learning.networks import ENCODERS, VIEWS, Architecture, LocalNetwork
+from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.training import Progress, Settings, train
+from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.reading.checksums import sealed, unsealed
-from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.sensors import Camera, Laser
 from tutorial_lib.world.visibility import mutual_overlap
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
@@ -59,6 +60,7 @@ class PoseView:
 
     name: str = "poses"
     size: tuple[int, int, int] = (1, 1, 3)
+    camera: Camera = field(default_factory=Camera)
 
     def render(self, scene, poses, discs=None):
         return poses[..., None, :, None].copy()

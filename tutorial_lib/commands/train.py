@@ -19,7 +19,8 @@ from tutorial_lib.learning import (
 )
 from tutorial_lib.learning.panorama_encoder import SENSORS
 from tutorial_lib.learning.reinforcement_training import REINFORCEMENT, train_reinforcement
-from tutorial_lib.learning.weights import save_network
+from tutorial_lib.learning.views import DEGREES, LEAST_DEGREES, MOST_DEGREES
+from tutorial_lib.learning.weights import load_card, save_network
 
 NETWORKS = {
     "waypoint": recipes.WAYPOINT,
@@ -27,6 +28,8 @@ NETWORKS = {
     "relative": relative_recipes.RELATIVE,
 }
 """Recipes by name and k."""
+OF_CAMERA = ("waypoint", "reachability")
+"""Those that can be trained for a camera of other degrees."""
 EXPLORATION = {
     "nts": "the functions of Neural Topological SLAM",
     "il": "a recurrent policy that imitates shortest paths; needs the weights of nts",
@@ -44,6 +47,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name in NETWORKS:
         command = names.add_parser(name)
         command.add_argument("--k", choices=tuple(choices), required=True)
+        command.set_defaults(degrees=None)
+        if name in OF_CAMERA:
+            command.add_argument(
+                "--degrees",
+                type=int,
+                metavar="N",
+                help=f"of the camera from left to right, {LEAST_DEGREES} to {MOST_DEGREES}; "
+                f"{DEGREES} unless given",
+            )
         add_scheduler(command)
     for name, words in EXPLORATION.items():
         command = names.add_parser(name, help=words)
@@ -80,7 +92,8 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
     """The recipe, and the function that trains by it.
 
     Raises:
-        InputError: when there is no such network of that k.
+        InputError: when there is no such network of that k, or for a camera of so many degrees,
+            or that from which it starts was not trained yet.
     """
     if options.name == "nts":
         recipe = exploration_recipes.NTS[options.sensor, options.kind]
@@ -94,8 +107,16 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
     known = NETWORKS[options.name]
     if options.k not in known:
         raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")
-    if options.name == "waypoint":
-        return known[options.k], recipes.train_local
+    recipe = known[options.k]
     if options.name == "relative":
-        return known[options.k], relative_recipes.train_relative
-    return known[options.k], reach_recipes.train_reachability
+        return recipe, relative_recipes.train_relative
+    if options.degrees is not None:
+        try:
+            recipe = recipe.with_degrees(options.degrees)
+        except InputError as error:
+            raise InputError(f"--{error}") from None
+    waypoint = options.name == "waypoint"
+    first = recipe.start if waypoint else recipe.controller
+    if first:  # before anything is recorded
+        load_card(first)
+    return recipe, recipes.train_local if waypoint else reach_recipes.train_reachability

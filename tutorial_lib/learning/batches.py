@@ -132,6 +132,7 @@ class Source:
         return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
+        view = self.architecture.looks_at
         pairs = draw_waypoint_pairs(
             recorded,
             self.targets,
@@ -140,8 +141,9 @@ class Source:
             self.perturbation,
             rng,
             self.close,
+            view.camera.field_of_view,
         )
-        view, count = self.architecture.looks_at, self.targets * self.starts
+        count = self.targets * self.starts
         discs = clutter(pairs.starts.reshape(-1, 3), self.clutter, rng)
         current = view.render(recorded.scene, pairs.starts, discs)
         contexts = view.render(recorded.scene, pairs.contexts)

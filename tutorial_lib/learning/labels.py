@@ -12,7 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, relative, to_local
 from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.raycast import Raycaster
-from tutorial_lib.world.visibility import mutual_overlap
+from tutorial_lib.world.visibility import FIELD_OF_VIEW, mutual_overlap
 
 CLEARANCE = 0.06
 """Metres that the line to a waypoint keeps from every wall."""
@@ -85,10 +85,19 @@ class Labels:
     overlap: Array
 
 
-def label(caster: Raycaster, starts: Array, goals: Array, waypoints: Array) -> Labels:
-    """All labels of pairs: `starts` (N, 3), target poses `goals` (N, 3), `waypoints` (N, 2)."""
+def label(
+    caster: Raycaster,
+    starts: Array,
+    goals: Array,
+    waypoints: Array,
+    field_of_view: float = FIELD_OF_VIEW,
+) -> Labels:
+    """All labels of pairs: `starts` (N, 3), target poses `goals` (N, 3), `waypoints` (N, 2).
+
+    Views overlap as those of a camera do whose `field_of_view` is so many radians.
+    """
     starts, goals = floats("starts", starts, ("N", 3)), floats("goals", goals, ("N", 3))
     waypoints = floats("waypoints", waypoints, ("N", 2))
     alike(starts=starts, goals=goals, waypoints=waypoints)
-    overlap = mutual_overlap(caster, starts, goals)
+    overlap = mutual_overlap(caster, starts, goals, field_of_view)
     return Labels(waypoints, relative(starts, goals)[:, 2], overlap)

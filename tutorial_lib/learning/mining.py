@@ -68,7 +68,9 @@ class HardNegativeMining:
         probability = reachability.calibration(logits)
         high = np.flatnonzero(probability > self.threshold)
         high = high[np.argsort(-probability[high], kind="stable")]
-        found = reachability_pairs(recorded, paths, recorded.poses[start[high]], target[high])
+        angle = reachability.view.camera.field_of_view
+        starts = recorded.poses[start[high]]
+        found = reachability_pairs(recorded, paths, starts, target[high], angle)
         far = np.flatnonzero(found.far_and_occluded)[: self.far_occluded]
         others = rng.permutation(np.flatnonzero(~found.far_and_occluded))[: self.pairs]
         rows = np.concatenate([far, others])

@@ -15,7 +15,7 @@ from tutorial_lib.learning.encoders import (
     StackedEncoder,
 )
 from tutorial_lib.learning.tensors import tensor
-from tutorial_lib.learning.views import VIEWS, View
+from tutorial_lib.learning.views import View, view_named
 from tutorial_lib.validation import instance
 
 ENCODERS = ("matching", "pair", "separate", "stacked")
@@ -32,7 +32,7 @@ class Architecture:
     Attributes:
         k: images of context on either side of the target.
         encoder: one of `ENCODERS`.
-        view: one of `VIEWS`.
+        view: a name that `view_named` knows.
         outputs: one of `OUTPUTS`.
     """
 
@@ -42,11 +42,15 @@ class Architecture:
     outputs: str = "waypoint"
 
     def __post_init__(self) -> None:
-        known = {"encoder": ENCODERS, "view": tuple(VIEWS), "outputs": tuple(OUTPUTS)}
+        known = {"encoder": ENCODERS, "outputs": tuple(OUTPUTS)}
         for name, choices in known.items():
             value = getattr(self, name)
             if not isinstance(value, str) or value not in choices:
                 raise InputError(f"network: {name} {value!r}; give one of {', '.join(choices)}")
+        try:
+            view_named(self.view)
+        except InputError as error:
+            raise InputError(f"network: {error}") from None
         if type(self.k) is not int or not 0 <= self.k <= 20:
             raise InputError(f"network: k = {self.k!r}; give a whole number, 0 to 20")
 
@@ -58,7 +62,7 @@ class Architecture:
     @property
     def looks_at(self) -> View:
         """The view of that name."""
-        return VIEWS[self.view]
+        return view_named(self.view)
 
 
 class LocalNetwork(nn.Module):

@@ -103,6 +103,9 @@ def outcomes_in(
     """Draw pairs in one world and roll out the controller on them."""
     rng = np.random.default_rng([SEED, crc32(world.encode())])
     paths = GridPaths(recorded.scene.clearance)
-    pairs = draw_reachability_pairs(recorded, paths, targets, rng, REACHABILITY_PERTURBATION)
     predictor = WaypointNetwork(controller)
-    return roll_out_pairs(recorded, pairs, by_waypoints(predictor), predictor.view.camera)
+    camera = predictor.view.camera
+    pairs = draw_reachability_pairs(
+        recorded, paths, targets, rng, REACHABILITY_PERTURBATION, camera.field_of_view
+    )
+    return roll_out_pairs(recorded, pairs, by_waypoints(predictor), camera)

@@ -28,8 +28,9 @@ from tutorial_lib.learning.reach_batches import (
     ProximitySource,
     TimeSource,
 )
-from tutorial_lib.learning.recipes import recorded_worlds_of
+from tutorial_lib.learning.recipes import recorded_worlds_of, seen_with
 from tutorial_lib.learning.training import Settings, train
+from tutorial_lib.learning.views import named_for
 from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.world.worlds import training_world, validation_world
 
@@ -69,6 +70,11 @@ class ReachRecipe:
     def checkpoints(self, work: Path) -> tuple[Path, Path]:
         """Files of the states of both its trainings."""
         return work / f"{self.name}_first.pt", work / f"{self.name}_second.pt"
+
+    def with_degrees(self, degrees: int) -> ReachRecipe:
+        """The recipe of the same network for a camera of so many degrees, see `seen_with`."""
+        controller = named_for(self.controller, degrees)
+        return replace(self, controller=controller, **seen_with(self, degrees))
 
 
 def _recipe(
@@ -235,7 +241,7 @@ def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card
     recorded_worlds = recorded_worlds_of(
         [training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work
     )
-    made = TimeSource if recipe is VING else ProximitySource
+    made = TimeSource if recipe.architecture.outputs == "relative" else ProximitySource
     source = made(recorded_worlds, recipe.architecture)
     stopping = recorded_worlds_of([validation_world(seed) for seed in STOPPING], CARS, work)
     others = replace(source, recorded_worlds=stopping, targets=48)

@@ -4,15 +4,18 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any, Protocol
 
 from tutorial_lib.driving.control.oracle import PARKING
 from tutorial_lib.driving.data.demonstrations import record_demonstrations
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import load_trajectories
+from tutorial_lib.errors import InputError
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
+from tutorial_lib.learning.views import DEGREES, CameraView, named_for
 from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import scene_of, training_world, validation_world
@@ -51,6 +54,45 @@ class Recipe:
     def checkpoints(self, work: Path) -> tuple[Path]:
         """File of the state of its training."""
         return (work / f"{self.name}.pt",)
+
+    def with_degrees(self, degrees: int) -> "Recipe":
+        """The recipe of the same network for a camera of so many degrees, see `seen_with`."""
+        return replace(self, start=named_for(self.start, degrees), **seen_with(self, degrees))
+
+
+class Named(Protocol):
+    """What recipes have in common."""
+
+    @property
+    def name(self) -> str:
+        """Of the weights."""
+
+    @property
+    def command(self) -> str:
+        """That trains them."""
+
+    @property
+    def architecture(self) -> Architecture:
+        """Of the network."""
+
+
+def seen_with(recipe: Named, degrees: int) -> dict[str, Any]:
+    """What a recipe says otherwise for a camera of so many degrees: name, command, architecture.
+
+    Raises:
+        InputError: where the network looks at no camera, or a camera cannot have so many degrees.
+    """
+    view = recipe.architecture.looks_at
+    if not isinstance(view, CameraView):
+        raise InputError(
+            f"degrees: {recipe.name} looks at the {view.name}, not at a camera; leave it out"
+        )
+    view = replace(view, degrees=degrees)
+    return {
+        "name": named_for(recipe.name, degrees),
+        "command": recipe.command + (f" --degrees {degrees}" if degrees != DEGREES else ""),
+        "architecture": replace(recipe.architecture, view=view.name),
+    }
 
 
 def _recipe(

@@ -1,6 +1,7 @@
 """Input of a network: the camera's image or the laser's scan, 64 columns."""
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -11,13 +12,37 @@ from torch import Tensor
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.validation import instance, whole
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
 
 COLUMNS = 64
+DEGREES = 120
+"""Of the usual camera, from left to right."""
+LEAST_DEGREES, MOST_DEGREES = 21, 170
+"""Of another camera's."""
 _MIDDLE = slice(16, 80)  # the 64 beams of the full circle's 96 that span 240 degrees
 _BEAMS = 96
+
+
+def named_for(name: str, degrees: int) -> str:
+    """What a view, or a network, of the usual camera is called for one of so many degrees.
+
+    >>> named_for("reach_k5", 90), named_for("reach_k5", 120)
+    ('reach_k5_90', 'reach_k5')
+    """
+    return name if degrees == DEGREES or not name else f"{name}_{degrees}"
+
+
+def usual_name(name: str) -> tuple[str, int]:
+    """What `named_for` was given: the name for the usual camera, and the degrees.
+
+    >>> usual_name("reach_k5_90"), usual_name("reach_k5")
+    (('reach_k5', 90), ('reach_k5', 120))
+    """
+    found = re.fullmatch(r"(.+)_([1-9][0-9]{1,2})", name, re.ASCII)
+    return (found[1], int(found[2])) if found else (name, DEGREES)
 
 
 class View(Protocol):
@@ -54,19 +79,27 @@ class CameraView:
 
     Attributes:
         rows: 16 for learning; 64 show the same in more detail.
+        degrees: from left to right, a whole number above 20 and up to 170.
+
+    Raises:
+        InputError: for other degrees.
     """
 
     rows: int = 16
+    degrees: int = DEGREES
+
+    def __post_init__(self) -> None:
+        whole("degrees", self.degrees, least=LEAST_DEGREES, most=MOST_DEGREES)
 
     @property
     def name(self) -> str:
         """Its name on a network's card."""
-        return f"camera{self.rows}"
+        return named_for(f"camera{self.rows}", self.degrees)
 
     @property
     def camera(self) -> Camera:
         """What a robot must carry."""
-        return Camera(rows=self.rows)
+        return Camera(rows=self.rows, field_of_view=float(np.deg2rad(float(self.degrees))))
 
     @property
     def size(self) -> tuple[int, int, int]:
@@ -157,7 +190,7 @@ class DepthView(CameraView):
     @property
     def name(self) -> str:
         """Its name on a network's card."""
-        return f"rgbd{self.rows}"
+        return named_for(f"rgbd{self.rows}", self.degrees)
 
     @property
     def size(self) -> tuple[int, int, int]:
@@ -210,7 +243,48 @@ def depth_of(images: NDArray[np.uint8]) -> NDArray[np.float32]:
 VIEWS: dict[str, View] = {
     view.name: view for view in (CameraView(16), CameraView(64), LaserView(), DepthView(16))
 }
-"""All views, by the name on a network's card."""
+"""The views of the usual sensors, by the name on a network's card; `view_named` has all."""
+
+
+def view_named(name: str) -> View:
+    """The view of a name such as "camera16", or "camera16_90" for a camera of 90 degrees.
+
+    Raises:
+        InputError: when there is none.
+    """
+    if isinstance(name, str):
+        usual, degrees = usual_name(name)
+        view = VIEWS.get(usual)
+        if isinstance(view, CameraView) and LEAST_DEGREES <= degrees <= MOST_DEGREES:
+            view = replace(view, degrees=degrees)
+        if view is not None and view.name == name:
+            return view
+    raise InputError(
+        f"view {name!r}; give one of {', '.join(VIEWS)}, or a camera's with other degrees, as "
+        "camera16_90"
+    )
+
+
+def view_of(camera: Camera) -> CameraView:
+    """The view of 16 rows through a camera that differs from the usual one in its degrees alone.
+
+    Raises:
+        InputError: for any other camera.
+    """
+    angle = float(np.rad2deg(instance("camera", camera, Camera).field_of_view))
+    degrees = round(angle)
+    if not LEAST_DEGREES <= degrees <= MOST_DEGREES or abs(angle - degrees) > 1e-6:
+        raise InputError(
+            f"camera: {angle:g} degrees; give a field_of_view of whole degrees, above 20 and up "
+            f"to {MOST_DEGREES}"
+        )
+    view = CameraView(degrees=degrees)
+    if replace(camera, field_of_view=view.camera.field_of_view) != view.camera:
+        raise InputError(
+            f"camera: {camera}; it may differ from the usual one in its field_of_view alone, so "
+            "give no rows, columns or slope"
+        )
+    return view
 
 
 def check_camera(network: str, seen: Observation, wanted: Camera | PanoramicCamera) -> None:

@@ -9,6 +9,7 @@ from tutorial_lib.driving.data.perturbation import Perturbation, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.labels import Labels, label, waypoint_labels
+from tutorial_lib.world.visibility import FIELD_OF_VIEW
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ def draw_waypoint_pairs(
     perturbation: Perturbation,
     rng: np.random.Generator,
     close: float = 0.0,
+    field_of_view: float = FIELD_OF_VIEW,
 ) -> WaypointPairs:
     """Draw pairs of which the target is 1 m behind to 3 m ahead of the start.
 
@@ -54,6 +56,7 @@ def draw_waypoint_pairs(
         perturbation: of the starts.
         rng: of everything drawn.
         close: see `RecordedWorld.draw`.
+        field_of_view: radians of the camera, for the overlaps.
     """
     scene = recorded.scene
     sources, frames = recorded.draw(targets, starts, rng, close)
@@ -65,6 +68,6 @@ def draw_waypoint_pairs(
         sources.reshape(targets, starts),
         recorded.poses[frames],
         recorded.poses[recorded.context(frames, k)],
-        label(scene.caster, moved, recorded.poses[goals], waypoints),
+        label(scene.caster, moved, recorded.poses[goals], waypoints, field_of_view),
         (found & sees).reshape(targets, starts),
     )

@@ -26,7 +26,7 @@ from tutorial_lib.learning.reinforcement_network import (
     ReinforcementNetwork,
 )
 from tutorial_lib.learning.threads import settle_threads
-from tutorial_lib.learning.views import LaserView
+from tutorial_lib.learning.views import DEGREES, LaserView, usual_name
 from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_WEIGHTS
@@ -119,12 +119,20 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
     """The card of weights.
 
     Raises:
-        InputError: when it is missing or damaged.
+        InputError: when it is missing or damaged; of a network for another camera than the usual
+            one it names the command that trains it.
     """
     folder = path_of("folder", folder)
     path = folder / f"{instance('name', name, str)}.json"
     again = "restore the file, or train it again: python -m tutorial_lib train --help"
     if not path.exists():
+        usual, degrees = usual_name(name)
+        if degrees != DEGREES and (folder / f"{usual}.json").exists():
+            command = f"python -m tutorial_lib {load_card(usual, folder).command}"
+            raise InputError(
+                f"{path}: there is no {usual} for a camera of {degrees} degrees; train it: "
+                f"{command} --degrees {degrees}"
+            )
         known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"
         raise InputError(f"{path}: there is no such card, but {known}; {again}")
     text = read_json(path, f"not a card of weights; {again}")

@@ -14,7 +14,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.validation import alike, floats, instance, integers, whole
-from tutorial_lib.world.visibility import mutual_overlap
+from tutorial_lib.world.visibility import FIELD_OF_VIEW, mutual_overlap
 
 SAME, OTHER = 3, 2
 """Starts of each target on its own trajectory, and on others."""
@@ -75,6 +75,7 @@ def draw_reachability_pairs(
     targets: int,
     rng: np.random.Generator,
     perturbation: Perturbation = TRAINING_PERTURBATION,
+    field_of_view: float = FIELD_OF_VIEW,
 ) -> ReachabilityPairs:
     """Draw pairs whose targets are random frames of recorded trajectories.
 
@@ -88,6 +89,7 @@ def draw_reachability_pairs(
         targets: G, of which each has `STARTS` starts in a row.
         rng: draws everything.
         perturbation: of the starts.
+        field_of_view: radians of the camera, for the overlaps.
 
     Returns:
         Fewer than G * `STARTS`: those with no room to start in are left out.
@@ -109,20 +111,28 @@ def draw_reachability_pairs(
     kept = rng.random(len(starts)) < _AS_RECORDED
     starts[kept] = recorded.poses[sources.ravel()[kept]]
     ready = np.flatnonzero(found | kept)
-    return reachability_pairs(recorded, paths, starts[ready], np.repeat(frames, STARTS)[ready])
+    goals = np.repeat(frames, STARTS)[ready]
+    return reachability_pairs(recorded, paths, starts[ready], goals, field_of_view)
 
 
 def reachability_pairs(
-    recorded: RecordedWorld, paths: GridPaths, starts: Array, targets: NDArray[np.intp]
+    recorded: RecordedWorld,
+    paths: GridPaths,
+    starts: Array,
+    targets: NDArray[np.intp],
+    field_of_view: float = FIELD_OF_VIEW,
 ) -> ReachabilityPairs:
-    """The pairs from `starts` (N, 3) to frames `targets` (N,) that a path connects, measured."""
+    """The pairs from `starts` (N, 3) to frames `targets` (N,) that a path connects, measured.
+
+    Views overlap as those of a camera do whose `field_of_view` is so many radians.
+    """
     most = len(instance("recorded", recorded, RecordedWorld).poses) - 1
     targets = integers("targets", targets, ("N",), least=0, most=most)
     starts = floats("starts", starts, ("N", 3))
     alike(starts=starts, targets=targets)
     instance("paths", paths, GridPaths)
     goals = recorded.poses[targets]
-    overlap = mutual_overlap(recorded.scene.caster, starts, goals)
+    overlap = mutual_overlap(recorded.scene.caster, starts, goals, field_of_view)
     geodesic = paths.between(starts[:, :2], goals[:, :2])
     return ReachabilityPairs(starts, targets, overlap, geodesic).subset(np.isfinite(geodesic))
 

@@ -253,7 +253,8 @@ def _sights(
     around = own[max(middle - _BESIDE, 0) : middle + _BESIDE + 1]
     seen = observations[around]
     poses = relative(observations[np.array([place])].odometry, seen.odometry)
-    half, laser = Camera().field_of_view / 2, np.asarray(seen.laser, dtype=float)
+    camera = seen.camera if isinstance(seen.camera, Camera) else Camera()
+    half, laser = camera.field_of_view / 2, np.asarray(seen.laser, dtype=float)
     angles = full_circle(laser.shape[1])
     beams = np.flatnonzero(np.abs(angles) < half)
     aside = np.tan(angles[beams]) / np.tan(half)
