@@ -365,7 +365,10 @@ DOORS = {
         recorded().observe, frames=frames(), camera=a(Camera(), optional=True)
     ),
     "RecordedWorld.experience": lambda: call(
-        recorded().experience, anything, trajectory=whole(1, least=0, most=1)
+        recorded().experience,
+        anything,
+        trajectory=whole(1, least=0, most=1),
+        camera=a(Camera(), optional=True),
     ),
     "RecordedWorld.goals": lambda: call(
         recorded().goals,

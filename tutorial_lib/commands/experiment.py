@@ -120,7 +120,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--robot",
         default="",
         metavar="FILE.py:NAME",
-        help="what makes the body of the robots, as a car of other sizes; networks stay the same",
+        help="what makes the body of the robots, as a car of other sizes, or a pair (body, Camera) "
+        "whose camera has another field_of_view; networks stay the same, or are those of "
+        "train --degrees",
     )
 
 

@@ -14,7 +14,7 @@ from tutorial_lib.cli import main
 from tutorial_lib.commands import experiment
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.agents import SEAMS, custom
-from tutorial_lib.experiments.common.own import MEMBERS, guarded, load_body, load_own
+from tutorial_lib.experiments.common.own import MEMBERS, guarded, load_own, load_robot
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table2
 from tutorial_lib.experiments.meng2020.table2 import METHODS
@@ -23,6 +23,7 @@ from tutorial_lib.experiments.protocols import exploration, local_control, navig
 from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.plan_json import save_plan
+from tutorial_lib.world.sensors import Camera
 
 CONTROLLER = """
 from tutorial_lib.driving import RMPController
@@ -207,7 +208,7 @@ class Mine:
 
 
 BODY = """
-from tutorial_lib.world import BicycleCar, DifferentialDrive
+import math; from tutorial_lib.world import BicycleCar, Camera, DifferentialDrive
 
 
 class Mine(DifferentialDrive): ...
@@ -223,20 +224,48 @@ def wrong():
 
 def number():
     return 3
+
+
+def narrow():
+    return BicycleCar(), Camera(field_of_view=math.radians(90))
+
+
+def odd():
+    return BicycleCar(), Camera(field_of_view=1.5)
+
+
+def sharp():
+    return BicycleCar(), Camera(rows=64)
+
+
+def blind():
+    return BicycleCar(), None
+
+
+def three():
+    return BicycleCar(), Camera(), 3
 """
 
 
 def test_a_body_of_ones_own_is_what_a_class_or_a_function_makes(own):
     file = own(BODY).removesuffix("Mine")
-    assert isinstance(load_body(f"{file}Mine"), DifferentialDrive)
-    assert load_body(f"{file}small") == BicycleCar(wheelbase=0.2)
+    body, camera = load_robot(f"{file}Mine")
+    assert isinstance(body, DifferentialDrive)
+    assert camera == Camera()
+    assert load_robot(f"{file}small") == (BicycleCar(wheelbase=0.2), Camera())
+    narrow = Camera(field_of_view=float(np.deg2rad(90.0)))
+    assert load_robot(f"{file}narrow") == (BicycleCar(), narrow)
     for name, words in (
         ("wrong", r"own\.py, line 13: wheelbase: -1\.0; give one real number above 0"),
         ("number", "made 3; give what makes a BicycleCar or a DifferentialDrive"),
         ("none", "own.py has no none"),
+        ("odd", r"camera: 85\.9437 degrees; give a field_of_view of whole degrees"),
+        ("sharp", "rows=64.*differ from the usual one in its field_of_view alone"),
+        ("blind", "camera: None; give a Camera"),
+        ("three", "made .*; give what makes .*, or a pair of such a body and a Camera"),
     ):
         with pytest.raises(InputError, match=rf"^--robot .*own\.py:{name}: .*{words}"):
-            load_body(f"{file}{name}")
+            load_robot(f"{file}{name}")
 
 
 @pytest.mark.full

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -43,6 +44,8 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 )
 from tutorial_lib.experiments.protocols.thresholds import Thresholds
 from tutorial_lib.interfaces import Agent, Experience, Navigation
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -50,6 +53,7 @@ from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import STEP, Simulation
 
 use_threads(1)
@@ -495,6 +499,78 @@ def test_robots_have_the_body_of_their_building(building, trials):
     assert bodies == [BicycleCar(), small]
 
 
+NARROW = Camera(field_of_view=float(np.deg2rad(90.0)))
+
+
+@pytest.fixture
+def untrained(monkeypatch):
+    """Networks that learned nothing, in place of those for a camera of 90 degrees; their names."""
+    named = []
+
+    def made(kind, outputs, name):
+        named.append(name)
+        return kind(LocalNetwork(Architecture(5, view="camera16_90", outputs=outputs)).eval())
+
+    for kind, outputs in ((WaypointNetwork, "waypoint"), (ReachabilityNetwork, "reachability")):
+        monkeypatch.setattr(agents, kind.__name__, partial(made, kind, outputs))
+    return named
+
+
+def test_robots_look_through_the_camera_of_their_building(building, trials, untrained, monkeypatch):
+    narrow, scene = replace(building, camera=NARROW), building.scene
+    (seen,) = (one.observations for one in experiences(narrow, [2]))
+    there = building.recorded.poses[building.recorded.frames_of(2)]
+    assert (seen.image == NARROW.look(scene, there)[0]).all()
+    assert seen.camera == NARROW
+    monkeypatch.setattr(navigation, "TIMES", 0.0)
+    monkeypatch.setattr(navigation, "GRACE", 0.3)
+    agent, met = agents.random_agent(np.random.default_rng(0), NARROW), []
+    start = type(agent).start
+
+    def noted(self, goals):
+        met.extend(goals)
+        return start(self, goals)
+
+    monkeypatch.setattr(type(agent), "start", noted)
+    # Its network refuses images of another camera.
+    assert len(attempt(narrow, trials, agent).outcome.success) == len(met) == len(trials)
+    shown = np.concatenate([goal.contexts[:, 5] for goal in met])
+    assert (shown == NARROW.look(scene, trials.goal_poses)[0]).all()
+    assert all(goal.observations.camera == NARROW for goal in met)
+    with pytest.raises(InputError, match="camera"):
+        attempt(building, trials, agents.random_agent(np.random.default_rng(0), NARROW))
+
+
+def test_agents_load_the_networks_that_were_trained_for_the_camera(untrained, own):
+    usual = ["waypoint_k5", "reach_k5"]
+    agents.meng(NARROW)
+    agents.remedied("all", NARROW)
+    agents.random_agent(np.random.default_rng(0), NARROW)
+    text = "class Mine:\n    def plan(self, *_): ...\n"
+    agents.custom(own(text), NARROW)
+    narrow = [f"{name}_90" for name in usual]
+    assert untrained == [*narrow, *narrow, narrow[0], *narrow]
+    untrained.clear()
+    agents.sptm(NARROW)
+    assert untrained == ["sptm_90", *narrow]
+    untrained.clear()
+    agents.sptm()
+    agents.meng(Camera())
+    assert untrained == ["sptm", *usual, *usual]
+
+
+def test_a_network_that_is_missing_is_named_with_the_command_that_trains_it():
+    agents.check_trained(Camera())
+    camera = Camera(field_of_view=float(np.deg2rad(91.0)))
+    for make, command in (
+        (agents.check_trained, "train waypoint --k 5 --degrees 91"),
+        (agents.meng, "train waypoint --k 5 --degrees 91"),
+        (agents.sptm, "train reachability --k sptm --degrees 91"),
+    ):
+        with pytest.raises(InputError, match=f"91 degrees; train it: .*tutorial_lib {command}$"):
+            make(camera)
+
+
 def test_a_whole_agent_of_the_user_is_compared(building, trials, own):
     where = own(WHOLE)
     agent = agents.custom(where)
@@ -804,6 +880,17 @@ def test_robots_record_and_navigate_with_a_body_of_the_users(plan, own, monkeypa
     monkeypatch.setattr(table2, "_row", lambda *_: {})
     with pytest.raises(InputError, match=r"^--robot .*: there is no file nowhere\.py"):
         table2.run(replace(options, robot="nowhere.py:Mine"), settings)
+    assert building.camera == whole.camera == Camera()
+    where = own(
+        "from tutorial_lib.world import BicycleCar, Camera\n\n\ndef Mine():\n"
+        f"    return BicycleCar(0.2), Camera(field_of_view={NARROW.field_of_view})"
+    )
+    building, narrow, _ = table2.task_of(plan, replace(options, robot=where), settings)
+    assert building.camera == narrow.camera == NARROW
+    assert np.array_equal(narrow.recorded.poses, whole.recorded.poses)
+    monkeypatch.setattr(agents, "NETWORKS", ("reach_k5",))
+    with pytest.raises(InputError, match=r"train reachability --k 5 --degrees 90$"):
+        table2.run(replace(options, robot=where), settings)
 
 
 def test_a_map_has_ten_places_in_a_quick_run_too():

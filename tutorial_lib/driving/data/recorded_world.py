@@ -109,13 +109,17 @@ class RecordedWorld:
         long = [trajectory.timestamps[-1] + _BETWEEN for trajectory in self.trajectories]
         return np.cumsum([0.0, *long[:-1]])
 
-    def experience(self, trajectory: int) -> Experience:
+    def experience(self, trajectory: int, camera: Camera | None = None) -> Experience:
         """What the robot observed on one trajectory: what an agent learns from.
+
+        Args:
+            trajectory: its number.
+            camera: takes the images; the usual one unless given.
 
         Raises:
             InputError: when there is no such trajectory.
         """
-        seen = self.observe(self.frames_of(trajectory))
+        seen = self.observe(self.frames_of(trajectory), camera)
         return Experience(seen, self.begins[trajectory] + self.trajectories[trajectory].timestamps)
 
     def experiences(self) -> list[Experience]:

@@ -22,10 +22,15 @@ from tutorial_lib.learning.estimators import (
     RelativeNetwork,
     WaypointNetwork,
 )
+from tutorial_lib.learning.views import named_for, view_of
+from tutorial_lib.learning.weights import load_card
 from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.topology.planner import DijkstraPlanner
+from tutorial_lib.world.sensors import Camera
 
 CONTEXT = "k5"
+WAYPOINT, REACH, SIMILARITY = NETWORKS = (f"waypoint_{CONTEXT}", f"reach_{CONTEXT}", "sptm")
+"""Of Meng's agent, SPTM's and the random one, as they are called for the usual camera."""
 S_SHORTCUT = 0.99
 """SPTM's threshold, chosen on validation worlds."""
 SOON = 0.6
@@ -44,37 +49,63 @@ SEAMS = ("agent", "planner", "localizer", "reachability", "predictor", "controll
 """What a class of one's own may be where whole agents are compared."""
 
 
-def meng(**changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute of the agent
-    """The agent of Meng 2020 with the shipped networks; `changed` replaces attributes."""
-    return MengAgent(**_shipped(changed))
+def trained_for(name: str, camera: Camera | None) -> str:
+    """The name of one of `NETWORKS` that was trained for a camera; the usual one if None.
+
+    Raises:
+        InputError: where `view_of` knows no such camera.
+    """
+    return name if camera is None else named_for(name, view_of(camera).degrees)
 
 
-def remedied(name: str, **changed: Any) -> RemedyAgent:  # noqa: ANN401 - any attribute
+def check_trained(camera: Camera) -> None:
+    """Check that there are `NETWORKS` for a camera.
+
+    Raises:
+        InputError: naming the command that trains one which is missing.
+    """
+    for name in NETWORKS:
+        load_card(trained_for(name, camera))
+
+
+def meng(camera: Camera | None = None, **changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute
+    """The agent of Meng 2020 with the networks for a camera; `changed` replaces attributes.
+
+    The camera is the usual one unless given, here and below.
+    """
+    return MengAgent(**_shipped(camera, changed))
+
+
+def remedied(
+    name: str,
+    camera: Camera | None = None,
+    **changed: Any,  # noqa: ANN401 - any attribute
+) -> RemedyAgent:
     """The same with remedies for places that look alike, one of `REMEDIES`.
 
     Raises:
         InputError: for an unknown name.
     """
-    return RemedyAgent(**_shipped({"remedies": Remedies.named(name), **changed}))
+    return RemedyAgent(**_shipped(camera, {"remedies": Remedies.named(name), **changed}))
 
 
-def _shipped(changed: Mapping[str, Any]) -> dict[str, Any]:
-    """The shipped networks, the controller, and what is changed."""
+def _shipped(camera: Camera | None, changed: Mapping[str, Any]) -> dict[str, Any]:
+    """The networks for a camera, the controller, and what is changed."""
     return {
-        "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
+        "predictor": WaypointNetwork(trained_for(WAYPOINT, camera)),
         "controller": RMPController(),
-        "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
+        "reachability": ReachabilityNetwork(trained_for(REACH, camera)),
         **changed,
     }
 
 
-def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the agent
+def sptm(camera: Camera | None = None, **changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute
     """SPTM with the same controller and follower; `changed` replaces attributes."""
     parts: dict[str, Any] = {
-        "similarity": ReachabilityNetwork("sptm"),
-        "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
+        "similarity": ReachabilityNetwork(trained_for(SIMILARITY, camera)),
+        "predictor": WaypointNetwork(trained_for(WAYPOINT, camera)),
         "controller": RMPController(),
-        "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
+        "reachability": ReachabilityNetwork(trained_for(REACH, camera)),
         "s_shortcut": S_SHORTCUT,
     }
     return SPTMAgent(**{**parts, **changed})
@@ -101,12 +132,12 @@ def ving(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the ag
     return LTVNAgent(**{**parts, **changed})
 
 
-def random_agent(rng: np.random.Generator) -> RandomAgent:
+def random_agent(rng: np.random.Generator, camera: Camera | None = None) -> RandomAgent:
     """The random agent."""
-    return RandomAgent(WaypointNetwork(f"waypoint_{CONTEXT}"), RMPController(), rng)
+    return RandomAgent(WaypointNetwork(trained_for(WAYPOINT, camera)), RMPController(), rng)
 
 
-def custom(where: str) -> Agent:
+def custom(where: str, camera: Camera | None = None) -> Agent:
     """An agent of the user's own, or `meng` with a component of theirs, from "FILE.py:CLASS".
 
     Raises:
@@ -116,5 +147,5 @@ def custom(where: str) -> Agent:
     if seam == "agent":
         return part
     if seam == "localizer":
-        return meng(planner=DijkstraPlanner(localizer=part))
-    return meng(**{seam: part})
+        return meng(camera, planner=DijkstraPlanner(localizer=part))
+    return meng(camera, **{seam: part})

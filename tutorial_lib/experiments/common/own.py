@@ -14,9 +14,11 @@ from typing import Any
 from tutorial_lib.array_forms import quoted
 from tutorial_lib.errors import InputError, words_of
 from tutorial_lib.experiments.common.report import Fault
+from tutorial_lib.learning.views import view_of
 from tutorial_lib.reading.limits import MAX_TEXT
 from tutorial_lib.reading.regular import read_bytes
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
+from tutorial_lib.world.sensors import Camera
 
 CUSTOM = "custom"
 """The name of its rows."""
@@ -61,22 +63,27 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
     raise InputError(f"--agent {where}: has the methods of no component ({needed}){lacks}")
 
 
-def load_body(where: str) -> BicycleCar | DifferentialDrive:
-    """The body that a class or a function of the user's makes, called without arguments.
+def load_robot(where: str) -> tuple[BicycleCar | DifferentialDrive, Camera]:
+    """The body and the camera that a class or a function of the user's makes.
+
+    It is called without arguments, and makes a body, or a pair of a body and a camera; with a body
+    alone goes the usual camera.
 
     Args:
         where: "FILE.py:NAME".
 
     Raises:
-        InputError: as `load_own` does, and when it is no body that the controllers drive.
+        InputError: as `load_own` does, when it is no body that the controllers drive, and when the
+            camera differs from the usual one in more than its whole degrees.
     """
-    body = guarded(where, _instantiate, where, option="--robot")
+    made = guarded(where, _instantiate, where, option="--robot")
+    body, camera = made if isinstance(made, tuple) and len(made) == 2 else (made, Camera())
     if not isinstance(body, BicycleCar | DifferentialDrive):
         raise InputError(
             f"--robot {where}: made {quoted(body)}; give what makes a BicycleCar or a "
-            "DifferentialDrive"
+            "DifferentialDrive, or a pair of such a body and a Camera"
         )
-    return body
+    return body, guarded(where, view_of, camera, option="--robot").camera
 
 
 def guarded(

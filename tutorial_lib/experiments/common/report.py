@@ -92,8 +92,8 @@ class Options:
         goal_images: what shows a goal, one of `protocols.navigation.GOAL_IMAGES`; one image if
             empty.
         body: one of `BODIES`.
-        robot: FILE.py:NAME of what makes the body of robots that learn and use a map; a
-            `BicycleCar` if empty.
+        robot: FILE.py:NAME of what makes the body of robots that learn and use a map, or a pair of
+            that and their camera; a `BicycleCar` and the usual camera if empty.
     """
 
     worlds: tuple[int, ...] = ()

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
-from tutorial_lib.experiments.common.own import CUSTOM, load_body, or_fault
+from tutorial_lib.experiments.common.own import CUSTOM, load_robot, or_fault
 from tutorial_lib.experiments.common.report import SHARE, Fault, Finding, Notes, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_goal_images, table2_thresholds
@@ -48,6 +48,7 @@ from tutorial_lib.experiments.protocols.thresholds import CHOSEN, Thresholds
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
 from tutorial_lib.parallel import for_each, lines_of_progress
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.world.sensors import Camera
 
 EVERY, COMPOSED = "all worlds", "composed"
 """Which trials a note is about."""
@@ -104,10 +105,12 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     if options.agent and options.quick and not options.drives:
         options = replace(options, drives=QUICK_DRIVES)
     places: list[Any] = [*options.worlds] if options.map is None else [options.map]
-    if options.agent:  # a faulty one is refused before any rollout
-        agents.custom(options.agent)
-    if options.robot:
-        load_body(options.robot)
+    # What is faulty or missing is refused before any rollout.
+    camera = load_robot(options.robot)[1] if options.robot else None
+    if camera is not None:
+        agents.check_trained(camera)
+    if options.agent:
+        agents.custom(options.agent, camera)
     if len(places) > 1:
         parts = for_each(run_world, places, options, settings, label="meng_table2")
     else:  # the agents share the cores instead; a class of the user's stays in this process
@@ -170,6 +173,7 @@ def task_of(
     settings: Settings,
 ) -> tuple[Building, Building, Trials]:
     """One world: with the drives that agents learn, with all of them, and the trials."""
+    body, camera = load_robot(options.robot) if options.robot else (CAR, Camera())
     whole = make_building(
         place,
         options.seed,
@@ -178,8 +182,9 @@ def task_of(
         drifts=options.drifts,
         family=options.family,
         region=options.region,
-        body=load_body(options.robot) if options.robot else CAR,
+        body=body,
     )
+    whole = replace(whole, camera=camera)
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
     rng = np.random.default_rng(seeds)
     count = settings.trials_of_part if options.drives else settings.trials
@@ -294,6 +299,7 @@ def run_method(
         remedies: of Meng's, for places that look alike; see `agents.remedies`.
         images: of the goals, one of `GOAL_IMAGES`.
     """
+    camera = building.camera
     if method == "oracle":
         return Result(
             navigate(
@@ -301,16 +307,18 @@ def run_method(
             )
         )
     if method == CUSTOM:
-        return or_fault(agent, lambda: attempt(building, trials, agents.custom(agent), images))
+        return or_fault(
+            agent, lambda: attempt(building, trials, agents.custom(agent, camera), images)
+        )
     settings = MapSettings(p_edge=p_edge)
     if method == "random":
-        made = agents.random_agent(np.random.default_rng([*building.odometry.seed, 1]))
+        made = agents.random_agent(np.random.default_rng([*building.odometry.seed, 1]), camera)
     elif method == "sptm":
-        made = agents.sptm(s_shortcut=s_shortcut)
+        made = agents.sptm(camera, s_shortcut=s_shortcut)
     elif remedies:
-        made = agents.remedied(remedies, settings=settings)
+        made = agents.remedied(remedies, camera, settings=settings)
     else:
-        made = agents.meng(settings=settings)
+        made = agents.meng(camera, settings=settings)
     return attempt(building, trials, made, images)
 
 

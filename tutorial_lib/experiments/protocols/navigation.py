@@ -15,7 +15,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING
 from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation, Observation
-from tutorial_lib.learning.views import VIEWS, View
+from tutorial_lib.learning.views import VIEWS, View, view_of
 from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.validation import instance, integers, one_of, whole, with_methods
@@ -101,8 +101,8 @@ def navigate(
 ) -> Outcome:
     """Run all trials at once, each for at most `TIMES` the oracle's time and `GRACE` seconds.
 
-    The robots have the building's body and odometry, with the same drift each time, and the usual
-    sensors unless others are given.
+    The robots have the building's body, camera and odometry, with the same drift each time, and the
+    usual laser, unless other sensors are given.
     """
     odometry = instance("building", building, Building).odometry.noise(NAVIGATING)
     instance("trials", trials, Trials)
@@ -113,7 +113,7 @@ def navigate(
         trials.starts,
         body=building.body,
         people=people,
-        sensors=sensors,
+        sensors=Sensors(building.camera) if sensors is None else sensors,
         odometry_noise=odometry,
     )
     navigation, goals = start(simulation), trials.goal_poses
@@ -142,11 +142,11 @@ def experiences(building: Building, indices: Sequence[int] | None = None) -> Ite
     Raises:
         InputError: when there is no such trajectory.
     """
-    recorded = instance("building", building, Building).recorded
+    recorded, camera = instance("building", building, Building).recorded, building.camera
     known = range(len(recorded.trajectories))
     if indices is not None:
         indices = integers("indices", indices, ("N",), least=0, most=len(known) - 1).tolist()
-    return (recorded.experience(i) for i in (known if indices is None else indices))
+    return (recorded.experience(i, camera) for i in (known if indices is None else indices))
 
 
 def goals_of(trials: Trials, view: View, k: int, images: str = ONE) -> list[Goals]:
@@ -207,7 +207,7 @@ def attempt(building: Building, trials: Trials, agent: Agent, images: str = ONE)
 
 def measured(building: Building, trials: Trials, agent: Agent, images: str = ONE) -> Result:
     """Run the trials with an agent that has learned the building."""
-    goals = goals_of(trials, VIEWS["camera16"], K, images)
+    goals = goals_of(trials, view_of(building.camera), K, images)
     outcome = navigate(building, trials, lambda _: agent.start(goals))
     topomap = getattr(agent, "topomap", None)
     if topomap is None:

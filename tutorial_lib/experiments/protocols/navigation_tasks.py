@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import permutations
 from pathlib import Path
 from typing import TypeGuard
@@ -23,6 +23,7 @@ from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.worlds import map_world, scene_of
 
 WORLDS = tuple(range(20_000, 20_005))
@@ -55,6 +56,7 @@ class Building:
         pairs: (D, 2) the places that each trajectory joins.
         odometry: of the robots that record trajectories and navigate in it.
         body: likewise.
+        camera: likewise; with any the drives are the same, and `view_of` knows it.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Building:
     pairs: NDArray[np.intp]
     odometry: Odometry = USUAL
     body: Body = CAR
+    camera: Camera = field(default_factory=Camera)
 
 
 @dataclass(frozen=True, eq=False)
