@@ -65,8 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robot",
         metavar="FILE.py:NAME",
-        help="a body of your own, as `def small(): return BicycleCar(wheelbase=0.2)`, with the "
-        "usual camera: it records the drives, and navigates",
+        help="a body of your own, as `def small(): return BicycleCar(wheelbase=0.2)`, or a pair of "
+        "it and a Camera of another field_of_view: it records the drives, and navigates",
     )
     parser.add_argument(
         "--explore",

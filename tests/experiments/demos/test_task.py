@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
@@ -17,8 +19,11 @@ from tutorial_lib.experiments.demos.sureness import STEP, recognised_from, suren
 from tutorial_lib.experiments.demos.task import PART, RECOGNISED, SURE, choose_task
 from tutorial_lib.experiments.protocols.navigation import FACING
 from tutorial_lib.geometry import wrap
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
 
 
 @pytest.fixture(scope="module")
@@ -196,3 +201,19 @@ def test_the_first_trip_whose_goal_is_recognised_well_is_taken_else_the_best(
 def test_a_goal_that_cannot_be_had_is_refused(flat, goal, words):
     with pytest.raises(InputError, match=words):
         navigate_once(flat, 0, 4, goal)
+
+
+def test_a_task_is_chosen_and_shown_through_the_camera_that_was_given():
+    narrow = Camera(field_of_view=float(np.deg2rad(90.0)))
+    seen_by = [
+        LocalNetwork(Architecture(5, view="camera16_90", outputs=outputs)).eval()
+        for outputs in ("waypoint", "reachability")
+    ]
+    parts = WaypointNetwork(seen_by[0]), RMPController(), ReachabilityNetwork(seen_by[1])
+    agent = MengAgent(predictor=parts[0], controller=parts[1], reachability=parts[2])
+    scene = Scene(make_box(pillars=[(3.0, 3.0, 0.5), (6.5, 4.0, 0.3)]))
+    # Its networks refuse images of another camera.
+    task = choose_task(scene, 0, 2, agent, camera=narrow)
+    assert task.building.camera == narrow
+    sharp = Camera(rows=64, columns=192, field_of_view=narrow.field_of_view)
+    assert (task.image == sharp.look(scene, task.trial.goal_poses)[0][0]).all()

@@ -5,6 +5,7 @@ from tests.conftest import make_box
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.figures import dashboard as module
 from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm, beams_of, dashboard, draw_laser
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera, Laser
@@ -43,3 +44,21 @@ def test_what_the_laser_meets_on_the_left_is_drawn_on_the_left():
     laser = draw_laser(moment, 320)  # 40 pixels a metre
     assert laser[160, 60].tolist() == list(colours.ROOMS["open"])
     assert laser[160, 260].tolist() == list(colours.PAPER)
+
+
+def test_the_view_on_the_plan_is_as_wide_as_the_camera_s(monkeypatch):
+    scene, pose, nothing = Scene(make_box()), np.array([[5.0, 5.0, 0.0]]), np.zeros(1)
+    view, cones, captions = PlanView(scene), [], []
+    monkeypatch.setattr(
+        PlanView, "polygon", lambda self, picture, points, *_, **__: cones.append(points)
+    )
+    monkeypatch.setattr(module, "label", lambda picture, text, *_: captions.append(text))
+    for camera in (None, Camera(), Camera(field_of_view=float(np.deg2rad(90.0)))):
+        image, _ = (camera or Camera()).look(scene, pose)
+        scan = Laser().scan(scene, pose)
+        seen = Observation(image, None, scan, pose, nothing, nothing, camera=camera)
+        moment = Moment(pose[0], CAR, seen, pose[:, :2], pose[:, :2], None, None, [])
+        dashboard(view, moment, "a title")
+    assert [len(cone) - 1 for cone in cones[::3]] == [32, 32, 24]  # beams, 3.75 degrees apart
+    shown = [text for text in captions if text.startswith("camera")]
+    assert shown == ["camera, 120 degrees", "camera, 120 degrees", "camera, 90 degrees"]

@@ -15,11 +15,18 @@ from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.maintenance import Maintenance
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.dashboard import Moment
-from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.sensors import Camera, PanoramicCamera
 from tutorial_lib.world.simulation import Simulation
 
 SHARP = Camera(rows=64, columns=192)
 """For the film; the network looks at 16 x 64 pixels."""
+
+
+def sharp(camera: Camera | PanoramicCamera | None) -> Camera:
+    """What shows on the film what a camera sees; as the usual one where it is none of its kind."""
+    if not isinstance(camera, Camera):
+        return SHARP
+    return replace(SHARP, field_of_view=camera.field_of_view)
 
 
 @dataclass(frozen=True)
@@ -150,11 +157,12 @@ def _moment(
     image: Picture,
 ) -> Moment:
     pose = simulation.poses[0]
-    sharp = SHARP.look(simulation.scene, pose[None], simulation.discs)[0]
+    seen = simulation.observe()
+    image_now = sharp(seen.camera).look(simulation.scene, pose[None], simulation.discs)[0]
     return Moment(
         pose,
         simulation.body.footprint,
-        replace(simulation.observe(), image=sharp),
+        replace(seen, image=image_now),
         track,
         path,
         goal[:2],

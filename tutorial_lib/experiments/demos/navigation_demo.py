@@ -17,7 +17,7 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.own import guarded, load_body
+from tutorial_lib.experiments.common.own import guarded, load_robot
 from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.forecast import DrivesForecast
@@ -45,7 +45,7 @@ from tutorial_lib.experiments.protocols.navigation import (
 from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation, Plan
-from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.learning.views import view_of
 from tutorial_lib.topology.mapping.scan_matching import match_scans
 from tutorial_lib.validation import floats
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -57,6 +57,7 @@ from tutorial_lib.viz.figures.panels import evenly, side_by_side, stacked
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 PLACES = 6
@@ -123,18 +124,20 @@ def run_demo(
         learn: learn the map even if one was kept, and keep it for later demos.
         own: "FILE.py:CLASS", a component in the place of the agent's; the task is the same.
         robot: "FILE.py:NAME", what makes the body of the robots that record the drives and that
-            navigates; a `BicycleCar` unless given.
+            navigates, or a pair of that and their camera; a `BicycleCar` and the usual camera
+            unless given.
         say: is called with what is being done.
 
     Raises:
         InputError: when the plan is too small for `PLACES` places, or a start or goal cannot be
-            had; naming the line, when the component fails.
+            had; naming the line, when the component fails; naming the command that trains it, when
+            there is no network for the camera.
     """
     check_folder(folder)
-    usual = agents.meng()
-    agent = _with_own(own) if own else usual
-    body = load_body(robot) if robot else BicycleCar()
-    asked = {"name": name, "start": start, "goal": goal, "body": body}
+    body, camera = load_robot(robot) if robot else (BicycleCar(), Camera())
+    usual = agents.meng(camera)
+    agent = _with_own(own, camera) if own else usual
+    asked = {"name": name, "start": start, "goal": goal, "body": body, "camera": camera}
     task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
     call = partial(guarded, own) if own else _call
     file = call(partial(learn_map, recorded=task.recorded, again=learn), agent, task.building, say)
@@ -150,9 +153,9 @@ def run_demo(
     return outcome
 
 
-def _with_own(where: str) -> MengAgent:
+def _with_own(where: str, camera: Camera) -> MengAgent:
     """The usual agent with a component of the user's own."""
-    agent = agents.custom(where)
+    agent = agents.custom(where, camera)
     if not isinstance(agent, MengAgent):
         raise InputError(
             f"--agent {where}: a whole agent, whose plans the film cannot show; give one of its "
@@ -257,7 +260,7 @@ def drive_by_sight(
     """
     building, trial = task.building, task.trial
     poses, goal = vertex_poses(building, agent.topomap), trial.goal_poses[0]
-    navigation = agent.start(goals_of(trial, VIEWS["camera16"], K))
+    navigation = agent.start(goals_of(trial, view_of(building.camera), K))
     title = f"{building.name}: from {task.rooms[0]} to {task.rooms[1]}"
     view = map_view(building.scene, agent.topomap, poses, task.bounds)
     said = time.monotonic()

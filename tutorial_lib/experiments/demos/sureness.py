@@ -8,7 +8,7 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.experiments.protocols.navigation import goals_of
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.learning.views import view_of
 from tutorial_lib.topology.mapping.sparsify import contextified
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.topology.query import query
@@ -28,9 +28,9 @@ def recognised_from(building: Building, trial: Trials, agent: MengAgent) -> int:
     frames = np.concatenate(
         [building.recorded.frames_of(i)[::STEP] for i in range(len(building.pairs))]
     )
-    goals = goals_of(trial, VIEWS["camera16"], agent.predictor.k)[0]
+    goals = goals_of(trial, view_of(building.camera), agent.predictor.k)[0]
     prepared = agent.reachability.prepare(goals.contexts)
-    seen = building.recorded.observe(frames)
+    seen = building.recorded.observe(frames, building.camera)
     sure = query(agent.reachability, seen, prepared[np.zeros(len(frames), dtype=np.intp)])
     gaps = np.linalg.norm(building.recorded.poses[frames, :2] - trial.goal_poses[0, :2], axis=1)
     from_where = gaps[sure > DijkstraPlanner.p_goal]
@@ -38,7 +38,8 @@ def recognised_from(building: Building, trial: Trials, agent: MengAgent) -> int:
 
 
 def _along(building: Building, number: int, agent: MengAgent) -> Array:
-    seen = building.recorded.observe(building.recorded.frames_of(number))
+    frames = building.recorded.frames_of(number)
+    seen = building.recorded.observe(frames, building.camera)
     images = agent.predictor.view.of(seen)
     targets = contextified(images, agent.predictor.k)[STEP::STEP]
     prepared = agent.reachability.prepare(targets)

@@ -13,7 +13,7 @@ from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.demos.ends import End, room_names
-from tutorial_lib.experiments.demos.moments import SHARP
+from tutorial_lib.experiments.demos.moments import sharp
 from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
 from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
 from tutorial_lib.experiments.demos.sureness import recognised_from, sureness
@@ -31,6 +31,7 @@ from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
 
 TRIP = 20.0
 """Metres of a trip, as nearly as there is one, between those with as many doors."""
@@ -88,6 +89,7 @@ def choose_task(
     start: End | None = None,
     goal: End | None = None,
     body: Body | None = None,
+    camera: Camera | None = None,
 ) -> Task:
     """Record drives between places of a scene, choose a trip, and the drives that are learned.
 
@@ -101,6 +103,7 @@ def choose_task(
         start: that was asked for.
         goal: that was asked for.
         body: of the robots that record the drives and that navigates, a `BicycleCar` unless given.
+        camera: through which they look, the usual one unless given.
 
     Raises:
         InputError: when the scene is too small, or a start or goal cannot be had.
@@ -116,6 +119,7 @@ def choose_task(
     name = name or f"{scene.plan.family} {scene.plan.seed}"
     chosen = np.concatenate([given[:, :2], spread])
     whole = recorded_between(name, scene, paths, chosen, Odometry(seed=(seed,)), body)
+    whole = replace(whole, camera=camera or Camera())
     fits = np.ones(len(whole.pairs), bool)
     if start is not None:
         fits &= whole.pairs[:, 0] == 0
@@ -186,7 +190,7 @@ def task_of(building: Building, trial: Trials, recorded: int, bounds: Array) -> 
         rooms=(names[rooms[0, 0]], names[rooms[1, 0]]),
         away=int(doors[0]),
         people=place_people(trial.recorded.poses[first : trial.goals[0] + 1, :2], scene),
-        image=SHARP.look(scene, trial.goal_poses[:1])[0][0],
+        image=sharp(building.camera).look(scene, trial.goal_poses[:1])[0][0],
         bounds=bounds,
     )
 

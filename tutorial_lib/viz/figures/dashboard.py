@@ -16,7 +16,7 @@ from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.panels import camera_picture
 from tutorial_lib.world.materials import Colour
 from tutorial_lib.world.raycast import Discs
-from tutorial_lib.world.sensors import full_circle
+from tutorial_lib.world.sensors import Camera, full_circle
 
 MAP, SIDE, MARGIN = 720, 480, 20
 Legend = Sequence[tuple[str, Colour]]
@@ -100,7 +100,8 @@ def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEN
     left = MAP + 2 * MARGIN
     label(picture, title, left, MARGIN + 16, 0.6, colours.INK)
     top = MARGIN + 36
-    views = [(moment.observation.image[0], "camera, 120 degrees")]
+    degrees = round(float(np.rad2deg(_field_of_view(moment))))
+    views = [(moment.observation.image[0], f"camera, {degrees} degrees")]
     if moment.target is not None:
         views.append((moment.target, "target image: the goal"))
     for image, caption in views:
@@ -122,11 +123,18 @@ def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEN
     return picture
 
 
+def _field_of_view(moment: Moment) -> float:
+    """Radians of the robot's camera; of the usual one where it is not known."""
+    camera = moment.observation.camera
+    return (camera if isinstance(camera, Camera) else Camera()).field_of_view
+
+
 def draw_map(view: PlanView, moment: Moment) -> Picture:
     """The plan from above with everything that moves."""
     picture = view.base.copy()
     points = to_world(moment.pose, beams_of(moment.observation.laser[0]))
-    half = np.abs(np.arctan2(*beams_of(moment.observation.laser[0]).T[::-1])) < np.deg2rad(60)
+    aside = np.abs(np.arctan2(*beams_of(moment.observation.laser[0]).T[::-1]))
+    half = aside < _field_of_view(moment) / 2
     cone = np.concatenate([moment.pose[None, :2], points[half]])
     view.polygon(picture, cone, colours.VIEW, opacity=0.35)
     view.polyline(picture, moment.path, colours.PATH, 3)
