@@ -20,12 +20,13 @@ from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwor
 from tutorial_lib.learning.mining import OWN, HardNegativeMining, all_logits
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.policies import encoded
-from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.learning.views import VIEWS, CameraView
 from tutorial_lib.learning.weights import Card, digest_of, load_card, load_network, save_network
 from tutorial_lib.reading.checksums import with_checksum, without_checksum
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
+from tutorial_lib.world.visibility import mutual_overlap
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 CLOSE = {"rel": 1e-4, "abs": 1e-5}
@@ -257,7 +258,7 @@ def oracle(monkeypatch):
         return 4.0 - np.hypot(*(starts - goals)[:, :2].T)
 
     monkeypatch.setattr(mining, "all_logits", logits)
-    return SimpleNamespace(calibration=Calibration(), queries=queries)
+    return SimpleNamespace(calibration=Calibration(), view=VIEWS["camera16"], queries=queries)
 
 
 def probability_by_distance(recorded, pairs):
@@ -306,6 +307,18 @@ def test_what_the_network_is_sure_of_is_found_with_its_measures(two_trajectories
         rel=0.05,
         abs=0.3,
     )
+
+
+def test_overlaps_of_what_is_found_are_those_of_the_network_s_camera(two_trajectories, oracle):
+    caster, found = two_trajectories.scene.caster, []
+    for degrees in (90, 120):
+        oracle.view = CameraView(degrees=degrees)
+        pairs, _ = find(oracle, two_trajectories, HardNegativeMining(frames=20, pairs=10**6))
+        goals, angle = two_trajectories.poses[pairs.targets], np.deg2rad(float(degrees))
+        rows = pairs.starts, goals
+        assert (pairs.overlap == mutual_overlap(caster, *rows, field_of_view=angle)).all()
+        found.append(pairs.overlap.mean())
+    assert found[0] != found[1]
 
 
 def test_of_too_many_some_are_drawn(two_trajectories, oracle):

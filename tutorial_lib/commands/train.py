@@ -107,7 +107,7 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
     known = NETWORKS[options.name]
     if options.k not in known:
         raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")
-    recipe = known[options.k]
+    recipe: Any = known[options.k]
     if options.name == "relative":
         return recipe, relative_recipes.train_relative
     if options.degrees is not None:

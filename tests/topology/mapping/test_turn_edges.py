@@ -105,7 +105,7 @@ class Blind:
         return np.zeros(len(observations))
 
 
-def along(scene, poses, begin):
+def along(scene, poses, begin, camera=None):
     """Anchors at poses (N, 3) of one drive, whose odometry has an origin of its own."""
     poses = np.asarray(poses, dtype=float)
     count, rest = len(poses), np.zeros(len(poses))
@@ -113,7 +113,7 @@ def along(scene, poses, begin):
     laser = scans(scene, poses).astype(np.float32)
     times = begin + np.arange(count) * 1.0
     drive = Trajectory("", 0, poses, odometry, laser, rest, rest, np.zeros((count, 2)), times)
-    seen = RecordedWorld(scene, [drive]).observe(np.arange(count), Camera())
+    seen = RecordedWorld(scene, [drive]).observe(np.arange(count), camera or Camera())
     return Anchors(seen, np.zeros((count, 1)), times)
 
 
@@ -182,11 +182,13 @@ def test_of_headings_alike_the_one_with_the_best_score_is_kept():
     assert _apart(turns, TurnSettings(most=2)).vertices.tolist() == [1, 2]
 
 
-def test_only_colours_near_by_are_compared(scene):
-    anchors = along(scene, [[0.5, 5.2, 0.0], [0.6, 5.2, 0.0]], 0.0)
+@pytest.mark.parametrize("degrees", [60.0, 90.0, 120.0])
+def test_only_colours_near_by_are_compared(scene, degrees):
+    camera = Camera(field_of_view=float(np.deg2rad(degrees)))
+    anchors = along(scene, [[0.5, 5.2, 0.0], [0.6, 5.2, 0.0]], 0.0, camera)
     points, colours = _sights(anchors.observations, 0, np.array([0]))
     laser = np.asarray(anchors.observations.laser[0])
-    ahead = laser[np.abs(full_circle(len(laser))) < Camera().field_of_view / 2]
+    ahead = laser[np.abs(full_circle(len(laser))) < camera.field_of_view / 2]
     assert (ahead >= 5.0).any()
     assert len(points) == len(colours) == (ahead < 5.0).sum() > 0
     assert np.linalg.norm(points, axis=1).max() < 5.0
