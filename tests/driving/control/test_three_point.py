@@ -97,7 +97,7 @@ def test_a_car_that_is_stuck_on_its_way_back_turns_on_instead(side):
     assert side * turn._angle[0] == pytest.approx(2 * np.pi - 1.0)
 
 
-def test_who_turns_all_round_turns_all_round_to_the_other_side():
+def test_a_car_that_turns_all_round_does_so_to_the_other_side():
     turn, robots = ThreePointTurn(1), np.zeros(1, int)
     turn.begin(robots, np.zeros((1, 3)), np.array([4 * np.pi]))
     turn._sides(np.array([[0.0, 0.0, 0.5]]), robots)

@@ -110,7 +110,8 @@ def toured(building: Building) -> Building:
     if not len(start):
         raise InputError(f"--drives {CONTINUOUS}: no drive leads from the first place to the next")
     goals, noise = building.places[order[:, 1]], building.odometry.noise(RECORDING)
-    drive = demonstrate_on(building.name, building.scene, building.paths, start, goals, 0, noise)
+    where = building.name, building.scene, building.paths
+    drive = demonstrate_on(*where, start, goals, 0, noise, building.body)
     ends = np.zeros((1, 2), dtype=order.dtype)  # it comes back to the first place
     if drive is None:
         raise InputError(f"--drives {CONTINUOUS}: the car did not come through {building.name}")
