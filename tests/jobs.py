@@ -95,7 +95,8 @@ def made_up_drive(task, agent, seed, say, beside, write, file):
         "driven": 1.0,
     }
     words = {"name": "demo", "plan": "apartment 3", "rooms": ("hallway", "kitchen"), "map": None}
-    words |= {"body": "BicycleCar()", "start": (0.0, 0.0, 0.0), "goal": (1.0, 0.0, 0.0)}
+    words |= {"body": "BicycleCar()", "camera": "Camera()"}
+    words |= {"start": (0.0, 0.0, 0.0), "goal": (1.0, 0.0, 0.0)}
     return frames, Outcome(**drive, **words, **numbers, seed=seed, geodesic=1.0, probability=0.9)
 
 

@@ -294,6 +294,7 @@ def drive_by_sight(
         goal=rounded(goal),
         geodesic=round(float(building.paths.between(trial.starts[:, :2], goal[None, :2])[0]), 2),
         body=repr(building.body),
+        camera=repr(building.camera),
         people=len(task.people),
         probability=round(plans[0].probability, 3),
         plans=len(plans),

@@ -44,6 +44,7 @@ class Outcome(Drive):
         goal: x, y and heading at which its image was taken.
         geodesic: metres of the shortest path.
         body: of the robot.
+        camera: likewise.
         people: who walk beside the path.
         probability: of the first plan.
         plans: their number.
@@ -64,6 +65,7 @@ class Outcome(Drive):
     goal: tuple[float, float, float]
     geodesic: float
     body: str
+    camera: str
     people: int
     probability: float
     plans: int
