@@ -170,7 +170,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
     ending, ends = "stopped 3.0 m from the goal, believing 89.9%", ((0, 0, 0), (5, 0, 0))
     missed = Outcome(
         *(False, ending, False, 9.0, 2.0, "demo", "box 0", 0, ("open", "open"), 0, *ends),
-        *(5.0, "BicycleCar()", 2, 0.9, 1, 8, 2, None, 30, 60),
+        *(5.0, "BicycleCar()", "Camera()", 2, 0.9, 1, 8, 2, None, 30, 60),
     )
     monkeypatch.setattr(navigation_demo, "run_demo", lambda *_, **__: missed)
     assert main(["demo"]) == 1
