@@ -879,7 +879,7 @@ axes.legend(loc="lower right", fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
-# Learning helps from the first queries, but the gain doesn't grow. And it isn't free: unused images come in, and the map grows.
+# After fifty queries, learning helps; from then on, the gain hardly grows. And it isn't free: unused images come in, and the map grows.
 #
 # ## 9 · Fewer vertices
 #
