@@ -453,7 +453,7 @@ sliders(
 #
 # - the belief stays between 0.03 and 0.97, so the map can change its mind;
 # - a pruned edge that once worked *comes back* after some queries, though barely believed;
-# - an edge that the laser finds blocked comes back soon: a shut door isn't the map's mistake.
+# - where the laser sees something on the path that wasn't there when the map was made, the edges through it close, and come back soon: a shut door isn't the map's mistake.
 #
 # A fourth rule saves time: the robot **looks before it drives**. If it clearly can't see an edge's target, it believes the edge less, and takes another. Looking alone gets rid of an edge through a wall. A [[wormhole]] between look-alikes passes every look; only a drive exposes it.
 #
@@ -816,7 +816,7 @@ next_day = Prediction(
 display(next_day)
 
 # %% [markdown]
-# On the second day, all six robots waste time at the door, but now the map knows. When the door opens, its edges are back, and robots use them. In numbers:
+# On the second day, the robots head for the door, see that it's shut, and turn round. That costs time, but now the map knows. When the door opens, its edges are back, and robots use them. In numbers:
 
 # %% hidden=true
 # The four days in numbers

@@ -12,8 +12,6 @@ from tutorial_lib.agents.blockades import (
     Blockades,
     Waiting,
     in_the_way,
-    nearest_in_the_way,
-    seen_with,
 )
 from tutorial_lib.geometry import to_local
 from tutorial_lib.interfaces import HERE
@@ -38,19 +36,6 @@ def test_what_stands_before_a_waypoint_is_in_the_way(heading):
     assert in_the_way(lasers, waypoints).tolist() == [True, False, False, False, False]
     free = Laser().scan(scene, start[None])
     assert not in_the_way(np.repeat(free, len(points), axis=0), waypoints).any()
-
-
-def test_the_rest_of_an_obstacle_is_seen_with_its_nearest_point():
-    people = [Person(np.array([[6.5, y]]), speed=0.0) for y in (4.2, 4.6, 5.0, 5.4, 5.8)]
-    sensors = Sensors(camera=None)
-    seen = Simulation(Scene(make_box()), [[5.0, 5.0, 0.0]], people=people, sensors=sensors)
-    laser, waypoint = seen.observe().laser[0], np.array([2.5, 0.0])
-    point = nearest_in_the_way(laser, waypoint)
-    rest = seen_with(laser, point)
-    assert np.hypot(*(rest - point).T).max() < 0.5
-    assert rest[:, 1].max() > 0.3
-    assert rest[:, 1].min() < -0.3
-    assert ((rest[:, 0] > 1.2) & (rest[:, 0] < 1.6)).all()
 
 
 def waited(blocked, odometry):

@@ -20,7 +20,6 @@ MEMORY = 120.0
 """Seconds for which a stretch that could not be passed is excluded."""
 _ROOM = 0.6  # metres that a robot moves at most while it waits
 _LANE = 0.1  # metres on either side of the line to a waypoint
-_WIDE = 0.5  # metres around a point that belong to the same obstacle
 _SHORT = 0.3  # metres before the waypoint where the lane ends
 _NEARBY = 2.5  # metres within which a robot is still where it could not pass
 
@@ -35,35 +34,13 @@ def in_the_way(lasers: NDArray[np.floating], waypoints: Array) -> NDArray[np.boo
         lasers: (N, B) metres, full circles.
         waypoints: (N, 2) metres, in the robots' frames.
     """
-    return np.any(_on_lane(lasers, waypoints)[0], axis=1)
-
-
-def nearest_in_the_way(laser: NDArray[np.floating], waypoint: Array) -> Array:
-    """(2,) the nearest point that the laser (B,) sees on the line to a waypoint (2,)."""
-    on_lane, along = _on_lane(laser[None], waypoint[None])
-    beam = int(np.where(on_lane[0], along[0], np.inf).argmin())
-    angle = full_circle(len(laser))[beam]
-    return laser[beam] * np.array([np.cos(angle), np.sin(angle)])
-
-
-def seen_with(laser: NDArray[np.floating], point: Array) -> Array:
-    """(P, 2) what the laser (B,) sees around a point (2,): the rest of what stands there."""
-    angles = full_circle(len(laser))
-    seen = laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    return seen[np.hypot(*(seen - point).T) < _WIDE]
-
-
-def _on_lane(
-    lasers: NDArray[np.floating], waypoints: Array
-) -> tuple[NDArray[np.bool_], NDArray[np.floating]]:
-    """(N, B) which beams end on the line to a waypoint, and how far along it."""
     far = np.linalg.norm(waypoints, axis=1)
     ahead = waypoints / np.maximum(far, 1e-6)[:, None]
     angles = full_circle(lasers.shape[1])
     along = lasers * (ahead[:, :1] * np.cos(angles) + ahead[:, 1:] * np.sin(angles))
     aside = lasers * (ahead[:, :1] * np.sin(angles) - ahead[:, 1:] * np.cos(angles))
     on_lane = (np.abs(aside) < _LANE) & (along > 0) & (along < far[:, None] - _SHORT)
-    return on_lane, along
+    return np.any(on_lane, axis=1)
 
 
 class Waiting:

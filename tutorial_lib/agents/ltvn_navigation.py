@@ -8,17 +8,18 @@ and all robots of a fleet mend the same map.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.blockades import in_the_way, nearest_in_the_way, seen_with
 from tutorial_lib.agents.ltvn_state import GOAL, Leg, RobotState, TravelSettings
 from tutorial_lib.driving.control.three_point import Stillness, ThreePointTurn
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
-from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world, wrap
+from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, wrap
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
+from tutorial_lib.topology.mapping.change_detection import Changes, changes, first_on_path
 from tutorial_lib.topology.mapping.expansion import expanded, shortest_paths
 from tutorial_lib.topology.mapping.image_pool import length
 from tutorial_lib.topology.mapping.obstructed import obstructed
@@ -32,6 +33,7 @@ _TURNING = 20.0  # seconds after which a turn has failed
 _RECOVERING = 50  # steps that a robot turns before it tries again what has just failed
 _LOOKS = 10  # edges at most that a robot looks along before it sets off
 _LOOK_STEPS = 10  # steps from one look around to the next while it turns
+_AHEAD = 5  # edges of a path that are compared with what the laser sees
 
 
 class LTVNNavigation:
@@ -154,8 +156,7 @@ class LTVNNavigation:
             success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
         else:
             success = seen and float(length(waypoint[0])) < self._map.rules.connect
-        blocked = () if executed else self._blocked(observation, leg)
-        done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by, blocked)
+        done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by)
         self.traversals.append(done)
         if self._mends:
             self._upkeep.experienced(done)
@@ -166,19 +167,6 @@ class LTVNNavigation:
             place = relative(observation.odometry[0], leg.aim)
             kind = "trusted" if success else "presumed"
             state.trusted = leg.target, kind, edge, waypoint[0] if seen else place
-
-    def _blocked(self, observation: Observation, leg: Leg) -> tuple[Edge, ...]:
-        """The links through the obstacle before a leg's target; empty if the laser sees none."""
-        odometry, laser = observation.odometry[0], observation.laser[0]
-        ahead, edge = to_local(odometry, leg.aim[:2]), (leg.source, leg.target)
-        known = self._map.graph.get_edge_data(*edge)
-        if not self._mends or known is None or not in_the_way(laser[None], ahead[None])[0]:
-            return ()
-        obstacles = to_world(odometry, seen_with(laser, nearest_in_the_way(laser, ahead)))
-        source = compose(leg.aim, inverse(np.array(known["waypoint"])))
-        seen = None if leg.measured is None else leg.aim
-        loosened = self._map.rules.connect * self._upkeep.rules.loosened
-        return obstructed(self._map, edge, source, obstacles, loosened, seen)
 
     def _is_there(self, observation: Observation, robot: int) -> bool:
         """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""
@@ -207,8 +195,9 @@ class LTVNNavigation:
             return
         here, kind, arrived_by, offset = found
         now, doubted = float(self._now[robot]), 0
+        new = self._changes(observation, here, offset) if kind != "presumed" else None
         while True:
-            path = self._path(state, here, now)
+            path = self._free_path(robot, here, kind, new)
             if path is None:
                 self._look_around(observation, robot)
                 return
@@ -226,7 +215,8 @@ class LTVNNavigation:
                 seen = waypoint = poses[0]
                 break
             unseen = reachable[0] < self._settings.doubt and kind != "presumed"
-            if not unseen or state.avoided.get(edge, 0.0) > now:
+            hidden = new is not None and new.any  # what is new may hide the target
+            if not unseen or hidden or state.avoided.get(edge, 0.0) > now:
                 break
             self._doubt(robot, Traversal(edge, kind, False, None, arrived_by, looked=True))
             doubted += 1
@@ -238,8 +228,36 @@ class LTVNNavigation:
         state.path = path
         self._set_off(observation, robot, here, target, kind, arrived_by, waypoint, seen)
 
+    def _changes(self, observation: Observation, here: int, offset: Array) -> Changes | None:
+        """What a robot sees that was not there when the image of its vertex was taken (ours)."""
+        image = self._map.pool.observations[np.array([here])]
+        return changes(observation.laser[0], image.laser[0], offset) if self._mends else None
+
+    def _free_path(self, robot: int, here: int, kind: str, new: Changes | None) -> list[int] | None:
+        """A path on which nothing new stands; the links through what does are closed (ours)."""
+        path = None
+        for _ in range(_LOOKS):
+            path = self._path(self.states[robot], here, float(self._now[robot]))
+            blocked = () if path is None or new is None else self._blocked(path, new)
+            if not blocked:
+                break
+            self._doubt(robot, Traversal(blocked[0], kind, False, blocked=blocked, looked=True))
+        return path
+
+    def _blocked(self, path: list[int], new: Changes) -> tuple[Edge, ...]:
+        """The links through what stands on a path, the path's own edge first."""
+        edges, poses = list(pairwise(path[: _AHEAD + 1])), [new.image]
+        for edge in edges:
+            poses.append(compose(poses[-1], np.array(self._map.graph.edges[edge]["waypoint"])))
+        found = first_on_path(new, np.stack(poses))
+        if found is None:
+            return ()
+        part, obstacles = found
+        loosened = self._map.rules.connect * self._upkeep.rules.loosened
+        return obstructed(self._map, edges[part], poses[part], obstacles, loosened)
+
     def _doubt(self, robot: int, looked: Traversal) -> None:
-        """Avoid an edge whose target is not to be seen from its source; the map learns from it."""
+        """Avoid an edge along which a robot has only looked; the map learns from it."""
         later = float(self._now[robot]) + self._settings.patience
         self.states[robot].avoided[looked.edge] = later
         self.traversals.append(looked)

@@ -26,7 +26,6 @@ def obstructed(
     source: Array,
     obstacles: Array,
     connect: float,
-    target: Array | None = None,
 ) -> tuple[Edge, ...]:
     """Links that lead through obstacles around an edge.
 
@@ -36,13 +35,11 @@ def obstructed(
         source: (3,) where the edge begins.
         obstacles: (P, 2) in the same frame.
         connect: D_c, metres, of the links that the map could have.
-        target: (3,) where the edge ends; none where the robot did not see that, since the edge may
-            be a mistake of the map.
 
     Returns:
         The edge, other edges of the map, and pairs of images that such a D_c would join.
     """
-    places = _places(sampled, edge, source, target)
+    places = _places(sampled, edge, source)
     known = np.zeros(len(sampled.pool), dtype=bool)
     known[list(places)] = True
     sources, targets, _ = sampled.links(connect)
@@ -55,11 +52,12 @@ def obstructed(
     return (edge, *closed)
 
 
-def _places(
-    sampled: SampledMap, edge: Edge, source: Array, target: Array | None
-) -> dict[int, Array]:
-    """Where the images around an edge are, as predicted from link to link; never by the edge."""
-    places = {edge[0]: source} if target is None else {edge[0]: source, edge[1]: target}
+def _places(sampled: SampledMap, edge: Edge, source: Array) -> dict[int, Array]:
+    """Where the images around an edge are, as predicted from link to link; never by the edge.
+
+    For that may be a mistake of the map.
+    """
+    places = {edge[0]: source}
     links, newest = sampled.links(sampled.rules.connect), list(places)
     for _ in range(_HOPS):
         found: dict[int, Array] = {}
