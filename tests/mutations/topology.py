@@ -2,6 +2,41 @@
 
 MUTATIONS = [
     (
+        "what a robot sees is compared from where it believes to be",
+        "topology/mapping/change_detection.py",
+        "_is_before(to_world(robot, points), mapped)",
+        "_is_before(to_world(start, points), mapped)",
+        "topology/mapping/test_change_detection.py",
+    ),
+    (
+        "walls that are gone are no sign of another place",
+        "topology/mapping/change_detection.py",
+        "gone.mean() > _ELSEWHERE",
+        "gone.mean() > 1.0",
+        "topology/mapping/test_change_detection.py",
+    ),
+    (
+        "what a laser saw beside a point does not count",
+        "topology/mapping/change_detection.py",
+        "np.array([-1, 0, 1])",
+        "np.array([0, 0, 0])",
+        "topology/mapping/test_change_detection.py",
+    ),
+    (
+        "the last part of the path with something new is found",
+        "topology/mapping/change_detection.py",
+        "int(on.any(axis=0).argmax())",
+        "int(on.any(axis=0).nonzero()[0][-1])",
+        "topology/mapping/test_change_detection.py",
+    ),
+    (
+        "walls around an obstacle belong to it",
+        "topology/mapping/change_detection.py",
+        "seen.points[seen.new & around]",
+        "seen.points[around]",
+        "topology/mapping/test_change_detection.py",
+    ),
+    (
         "any edge of the map stands for an anchor, wherever it lies",
         "topology/mapping/reuse.py",
         "allowed & (self._out[anchor] > least)",

@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
+from tests.conftest import make_box
 from tests.world.test_sensors import free_poses
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import to_world
 from tutorial_lib.se2 import compose, inverse, relative
 from tutorial_lib.topology.mapping.change_detection import Changes, changes, first_on_path
 from tutorial_lib.world.people import Crowd, Person
+from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Laser
 from tutorial_lib.world.worlds import scene_of
 
@@ -101,6 +103,12 @@ def test_it_is_the_first_part_with_something_new_that_counts():
     np.testing.assert_array_equal(found, person)
     assert first_on_path(seen, AHEAD[:2]) is None
     assert first_on_path(seen, compose(np.array([0.0, 0.0, 0.4]), AHEAD)) is None
+    # Of two obstacles it is the first that counts.
+    nearer = np.vstack([points, [[0.8, 0.0], [0.8, 0.1]]])
+    both = Changes(seen.image, nearer, np.append(new, [True, True]))
+    part, found = first_on_path(both, AHEAD)
+    assert part == 0
+    np.testing.assert_array_equal(found, nearer[-2:])
     # Much else is new: the scans do not show the same place.
     strange = Changes(seen.image, points, new | (points[:, 0] < -2.0))
     assert first_on_path(strange, AHEAD) is None
@@ -117,3 +125,22 @@ def test_it_is_the_first_part_with_something_new_that_counts():
 def test_arrays_of_other_shapes_are_refused_by_name(laser, mapped, image, name):
     with pytest.raises(InputError, match=name):
         changes(np.ones(laser), np.ones(mapped), np.zeros(image))
+
+
+def test_where_something_of_the_image_is_gone_nothing_is_said():
+    scene, here = Scene(make_box()), np.array([[5.0, 5.0, 0.0]])
+    people = [Person(np.array([place]), speed=0.0) for place in ((5.8, 5.0), (5.0, 5.8))]
+    laser, mapped = (Laser().scan(scene, here, Crowd(some).discs)[0] for some in ([], people))
+    assert changes(mapped, mapped, np.zeros(3)) is not None
+    assert changes(laser, mapped, np.zeros(3)) is None
+    seen = changes(mapped, laser, np.zeros(3))
+    assert seen is not None
+    assert seen.any
+
+
+def test_one_point_is_no_obstacle():
+    points, new = np.array([[1.0, 0.0], [3.0, 2.0], [1.1, 0.1]]), np.array([True, False, False])
+    assert first_on_path(Changes(np.zeros(3), points, new), AHEAD) is None
+    assert not Changes(np.zeros(3), points, new).any
+    new[2] = True
+    assert first_on_path(Changes(np.zeros(3), points, new), AHEAD) is not None
