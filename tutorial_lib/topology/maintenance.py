@@ -187,7 +187,8 @@ class Traversal:
         arrived_by: the edge on which it came to the source; none if it was localized there.
         blocked: the edges that lead through what stood in its way, this one among them, and pairs
             of images between which it stood; none where nothing did.
-        looked: the robot has not driven: it saw from the source that the target is not there.
+        looked: the robot has not driven: it saw from the source that the target is not there, or
+            what stands before it.
     """
 
     edge: Edge
