@@ -3,7 +3,7 @@
 #
 # **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the hallway door, and you hold up a photo taken beyond it. All it has is two images. *Which way should it steer?*
 #
-# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own loop trains a small one in ten seconds; with one that was trained for most of an hour, your robot nearly always reaches the place in the photo.
+# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own training loop trains a small network in ten seconds; with a network trained for most of an hour, your robot nearly always reaches the place in the photo.
 
 # %% hidden=true
 # What the robot sees, and the photo (about 10 s)
@@ -306,7 +306,7 @@ def obstacle_policy(distances, closing, push, brake, weight, fade):
 obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 
 # %% [markdown]
-# Each policy acts on its own quantity: a point on the car, a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted by the metrics:
+# Each policy acts on its own quantity, such as the position of a point on the car, or a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted by the metrics:
 #
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
@@ -1295,7 +1295,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 #
 # ## 11 · Beside the paper
 #
-# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and even light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the oracle shows what the body and time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
+# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and even light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the *oracle* shows what the car's body and the time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
 # Success rates beside the paper's, with 95 % intervals
@@ -1332,7 +1332,7 @@ axis.set_yticks(np.linspace(0, 1, 6), range(0, 101, 20))
 show(from_figure(figure))
 
 # %% [markdown]
-# The results page has the same controllers [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control), where context helps most among obstacles, and [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2).
+# The results page also tests these controllers [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2), and [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control): among obstacles, context helps most.
 #
 # <details><summary>Why does noise on the controls hardly matter?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. In open loop, errors would add up as the odometry's did in notebook 01.

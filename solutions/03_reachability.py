@@ -1095,7 +1095,7 @@ if sure.any():
 #
 # **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and a network is trained on everything. All that happens five times, with another `rng` and other initial weights each time: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
 #
-# The **score** is the share of the squared error that's removed, in percent: 0 is a network that always predicts the average, 100 one that's always right. Below 0 is worse than no network at all. Beat the 300 alone, 60 at random, and the 60 look-alikes the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
+# The **score** is the share of the squared error that's removed, in percent: 0 is a network that always predicts the average, 100 one that's always right. Below 0 is worse than no network at all. There are three baselines to beat: the 300 rollouts alone, 60 more pairs drawn at random, and the 60 look-alikes that the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
 # | each is (P,) | |
 # |---|---|

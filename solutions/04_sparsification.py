@@ -519,7 +519,7 @@ show(from_figure(figure))
 # 1. **Last visited.** Compare the active anchor with those just before and after it, if any. The closest has the largest overlap. It counts as visited if that overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
 # 2. **Active.** Advance by one, if there is a next one, and
 #     - the next one is reachable, its $\mathcal{RE}$ above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
-#     - the active one, or the one after it, was visited, now or earlier: then the robot must move on, whatever the next one's $\mathcal{RE}$.
+#     - the robot has visited the active anchor or the next one, in this step or earlier: then it must move on, whatever the next one's $\mathcal{RE}$.
 #
 #     Otherwise it stays.
 #
@@ -712,7 +712,7 @@ show(follower_machine())
 # %% [markdown]
 # Write it as a function without memory: the old state and what's seen go in, the new state comes out.
 #
-# - **Search:** if the best anchor's $\mathcal{RE}$ is above `rules.p_search`, it becomes active and the robot follows; visited is the anchor before it (−1 if it is the first). Otherwise the robot is lost.
+# - **Search:** if the best anchor's $\mathcal{RE}$ is above `rules.p_search`, that anchor becomes active and the robot follows it; the last visited anchor is the one before, or −1 if there's none. Otherwise the robot is lost.
 # - **Follow:** if the active anchor is the last one and the robot is there (`at`), it's done; a high overlap isn't enough. Otherwise `move_on` decides. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following; otherwise it switches to dead reckoning.
 # - **Dead reckoning:** the robot goes back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise it's lost after *more* than `rules.timeout` seconds. The active anchor stays.
 #
@@ -1380,4 +1380,4 @@ for place, log in zip("CD", parked_states.T, strict=True):
 show(stacked([picture], ["Grey: the drive that it knows"]))
 
 # %% [markdown]
-# It knows one drive, which passes neither C nor D. Others have driven from there, though, and each left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.
+# It knows one drive, which passes neither C nor D. Others have driven from both, though, and each drive left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.

@@ -178,12 +178,12 @@ trip = Prediction(
     "05",
     "trip",
     "Where does the robot leave the first strip?",
-    {"A": "at 2, for d", "B": "at 3, for e", "C": "at 3, for d"},
-    right="B",
+    {"X": "at 2, for d", "Y": "at 3, for e", "Z": "at 3, for d"},
+    right="Y",
     robot=f"it compares every photo of one strip with every photo of the other. RE from 3 to e "
     f"is {between('3', 'e'):.3f}; from 3 to d it's {between('3', 'd'):.2f}, and from 2 to d "
     f"{between('2', 'd'):.2f}.",
-    tempting="C",
+    tempting="Z",
     because="on the plan d is just outside the door. But at 3 the robot looks up the corridor, and "
     "d lies behind it.",
     before=trip_picture(),
@@ -213,7 +213,7 @@ display(trip)
 # Follow one drive's anchors, and you get to that drive's end. Change drives, and you get further. The anchors of all drives become one **directed graph**, a [[topological map]]:
 #
 # - a **[[vertex]]** is an anchor $\hat o_i$: its images, no position, no heading;
-# - an **[[edge]]** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from one to the other;
+# - an **[[edge]]** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from the first to the second;
 # - its **weight** is $w(\hat o_i, \hat o_j) = -\log \mathcal{RE}(\hat o_i, \hat o_j)$.
 #
 # Here are two tiny drives, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, with RE from each anchor (row) to every anchor (column). Framed cells are steps of a drive. A pair becomes an edge if $\mathcal{RE} > p_\text{edge}$; the others are **pruned**. Driven steps always stay, since the car really drove them. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
@@ -346,8 +346,8 @@ one_way = Prediction(
     right="C",
     robot=f"back it's {home.reach[target, source]:.2f}. Of {sure.sum()} pairs above 0.99, "
     f"{(back < 0.5).sum()} are below 0.5 in reverse. {(back > 0.99).sum()} are above 0.99 both ways: "
-    "mostly twins from two drives, a few decimetres apart. For a car that can't turn on the spot, "
-    "one-way streets are everywhere.",
+    "mostly neighbours from two drives, a few decimetres apart. For a car that can't turn on the "
+    "spot, one-way streets are everywhere.",
     tempting="A",
     because="the two are so close. But the green one looks onward, and what lies behind a car "
     "isn't in its photo.",
@@ -358,7 +358,7 @@ display(one_way)
 # %% [markdown]
 # ### Two drives from one place
 #
-# Two drives start at A and part later. Left: **all** edges. Right: pruned at $p_\text{edge} = 0.99$ by your `edge_weights`.
+# Two drives start at A and part later. The second drive is dark. Left: **all** edges. Right: pruned at $p_\text{edge} = 0.99$ by your `edge_weights`.
 
 # %% hidden=true
 # All edges of two drives, and those that are left
@@ -400,7 +400,7 @@ for words, p_edge in (
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# Nearly everything is gone. An edge through three walls has an RE of about 0.3, and no good path uses it. What's left joins neighbours, and where the drives run side by side, the robot can switch. But there each place is on the map twice.
+# Nearly everything is gone. An edge through three walls has an RE of about 0.3, and no good path uses it. What's left joins neighbours, and where the drives run side by side, the robot can switch. But along that stretch, each place is on the map twice.
 #
 # ## 3 · One place, one vertex
 #
@@ -448,7 +448,7 @@ reusable = check_reusable.use(reusable)
 #
 # A new drive follows an older one along a corridor. The older one's vertex 9 replaces the new anchor 5. For anchor 6, vertex 9 qualifies again, and so does vertex 8. Take either, and the new drive stands still on the map, or goes back, though the car drove on.
 #
-# Once you've reused a vertex of some drive, take only **later** vertices of that drive. Other drives stay open. The map stores each vertex's `trajectory`, and its `place` there: 0, 1, 2 and so on.
+# Once you've reused a vertex of some drive, take only **later** vertices of that drive. Other drives stay open. The map stores each vertex's `trajectory`, and its `place`: its number along that trajectory, 0, 1, 2 and so on, not a place in the building.
 #
 # ### Exercise 3 · `ahead_of` (easy, 7 minutes)
 #
@@ -655,7 +655,7 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# Where the drives part, the next anchor is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. A lower threshold ends reuse later, and the map trusts longer jumps. Near 1, even twins are refused, since RE never quite reaches 1.
+# Where the drives part, the next anchor is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. A lower threshold ends reuse later, and the map trusts longer jumps. With a threshold near 1, even a vertex a few decimetres away is refused, since RE never quite reaches 1.
 # </details>
 #
 # ### Find the bug
@@ -693,7 +693,7 @@ table(head, rows)
 #
 # ## 4 · What nobody showed it
 #
-# Twelve drives, twelve starts. From each start, a path could lead to the end of the nine drives that end elsewhere. That's 12 · 9 = 108 paths; twelve of them were driven. Compare how many paths each kind of map holds, and at what price.
+# Twelve drives, twelve starts. From each start, a path could lead to nine ends, three at each of the other three places. That's 12 · 9 = 108 paths; twelve of them were driven. Compare how many paths each kind of map holds, and at what price.
 
 
 # %% hidden=true
@@ -765,7 +765,7 @@ sliders(
 )
 
 # %% [markdown]
-# Only $p_\text{reuse}$ changes the vertices. At $p_\text{edge} = 0.999$ only driven edges are left, since RE never gets that high; without reuse, most paths go, too.
+# Only $p_\text{reuse}$ changes the vertices. At $p_\text{edge} = 0.999$ only driven edges are left, since RE never gets that high; without reuse, most paths are lost, too.
 #
 # ## 5 · A field trip
 #
@@ -821,7 +821,7 @@ display(apart)
 #
 # $$ \mathcal{RE}_\text{seq}(\hat o_i, v) \;=\; \min_{-2 \le s \le 2} \; \mathcal{RE}(\hat o_{i+s},\, v_{+s}), $$
 #
-# where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own drive. Where a drive ends, the sequence is shorter. Here's the lie, with its neighbours:
+# where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own drive. Where a drive ends, the sequence is shorter. Here's the lie, the middle pair, with its neighbours: anchors of one drive in blue, of the other in amber, and RE on the arrows, the least in vermilion.
 
 # %% hidden=true
 # The pairs around the wormhole
@@ -836,7 +836,8 @@ same = [
 ]
 values = [office.reach[pair] for pair in same]
 print(f"the pair itself: {probability:.3f}; the least of its sequence: {min(values):.2f}")
-show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], values))
+names = ([str(a) for a, _ in same], [str(v) for _, v in same])
+show(aligned_sequences(*names, values, same.index((source, target))))
 
 # %% [markdown]
 # ### Exercise 5 · `weakest_aligned` (hard, 15 minutes)
@@ -939,11 +940,11 @@ swap = Prediction(
 display(swap)
 
 # %% [markdown]
-# Some of these wormholes count as driven. So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
+# These wormholes all count as driven. So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most of the 24 paths are gone; with section 3's rule all are there, but so are wormholes. All 24 paths and only the one long step that a car drove would score 19. There's more than one good answer; look at where `there` and `back` disagree. For the V candidates, you're given:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. As in section 4, each start has paths to the ends elsewhere: 6 · 4 = 24. There, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. With section 3's rule all 24 are kept, but so are wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you score 19. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
 #
 # | each is (V,) | |
 # |---|---|
@@ -1248,15 +1249,15 @@ show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are ends of drives.
+# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are ends of drives.
 # </details>
 #
 # ## 10 · The cupboard moved
 #
 # A week later someone has moved a cupboard. Now no robot can reach the vertex that shows the old view, and each plan through it fails. So a map must forget. The library's rule: a new drive removes a vertex if
 #
-# - the drive reaches, above $p_\text{edge}$, the vertex's predecessor and, soon after, its successor,
-# - and all the way, RE to the vertex itself stays below $p_\text{outdated} = 0.1$: it's *surely* gone.
+# - along the drive, RE to the vertex's predecessor is above $p_\text{edge}$, and soon after, so is RE to its successor,
+# - and between the two, RE to the vertex itself stays below $p_\text{outdated} = 0.1$: it's *surely* gone.
 #
 # Let's pretend: someone repeats the first drive, and its vertex 4 has changed. With `p_outdated = 0.0`, nothing is forgotten.
 
@@ -1303,7 +1304,7 @@ for p_outdated in (0.0, 0.1):
     print("    the first drive is now  " + " ".join(map(str, aged.paths[0])))
 
 # %% [markdown]
-# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting, the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone: otherwise, RE near 0 for everything out of sight would empty the map.
+# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting, the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone. RE is near 0 for everything out of sight: without this rule, the map would soon be empty.
 #
 # <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
 # If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If not, the vertex still does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why 0.1 is so strict.

@@ -250,11 +250,11 @@ pencil = Prediction(
     "06",
     "pencil",
     "Which path from here to goal is the most probable one?",
-    {"A": "here, E, goal", "B": "here, B, C, goal", "C": "here, D, B, C, goal"},
-    right="B",
+    {"X": "here, E, goal", "Y": "here, B, C, goal", "Z": "here, D, B, C, goal"},
+    right="Y",
     robot=f"it takes B and C: {product('here', 'B', 'C', 'goal')}.",
-    tempting="C",
-    because=f"it has the best first hop, and no weaker edge than B's path. But it takes four hops: "
+    tempting="Z",
+    because=f"it has the best first hop, and no weaker edge than Y's path. But it takes four hops: "
     f"{product('here', 'D', 'B', 'C', 'goal')}. And the fewest hops don't win either: "
     f"{product('here', 'E', 'goal')}.",
     before=graph_picture(BY_HAND),

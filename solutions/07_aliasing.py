@@ -334,7 +334,7 @@ head = {"map by": "", "vertices": "d", "edges": "d", "wormholes": "d", "share": 
 table({**head, "edges of a plan": ".1f"}, rows)
 
 # %% [markdown]
-# On the first map, which is folded, since twins share their vertices, a plan is short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing comes before, and along a corridor of identical doors, the neighbours are twins, too.
+# On the first map, twins share their vertices: the map is **folded**. Its plans are short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing comes before, and along a corridor of identical doors, the neighbours are twins, too.
 #
 # ## 3 · A belief
 #
@@ -348,7 +348,7 @@ table({**head, "edges of a plan": ".1f"}, rows)
 #
 # ### Predict
 #
-# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, a share of about $d/\ell_v$ leaves for small $d$, and never more than all. Two motions of $d$ must leave as much behind as one of $2d$. Only one function does that:
+# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, a share of about $d/\ell_v$ leaves for small $d$, and never more than all. After two motions of $d$, as much must remain as after one of $2d$. Only one function does that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
@@ -390,7 +390,7 @@ predict = check_predict.use(predict)
 # %% [markdown]
 # ### Update
 #
-# The robot looks. Each vertex has a **[[likelihood]]**: how likely is this view if the robot is there? We take the overlap of the two views as notebook 02's waypoint network predicts it: nearly 1 at the vertex, a half at 1.5 m, little elsewhere, *except in look-alikes*. RE would be worse: it's high for everything ahead. Off the map, every view is equally likely. Then apply Bayes' rule:
+# The robot looks. Each vertex has a **[[likelihood]]**: how likely is this view if the robot is there? We take the overlap that notebook 02's waypoint network predicts between this view and the vertex's image: nearly 1 at the vertex, a half at 1.5 m, little elsewhere, *except in look-alikes*. RE would be worse: it's high for everything ahead. Off the map, every view is equally likely. Then apply Bayes' rule:
 #
 # $$ b_v \;\propto\; \bar b_v \cdot p(\text{view} \mid v), \qquad \sum_v b_v = 1 . $$
 #
@@ -428,7 +428,7 @@ update = check_update.use(update)
 # %% [markdown]
 # ### A corridor by hand
 #
-# Eight vertices are a metre apart; the letters say what they look like. A robot starts at 1 and doesn't know it. The bars are its belief after the first look; the green line is the truth.
+# Eight vertices are a metre apart; the letters say what they look like. A robot starts at 1 and doesn't know it. The bars are its belief after the first look; the blue line is where it really is.
 
 # %% hidden=true
 # The corridor of eight vertices: the belief step by step
@@ -454,7 +454,7 @@ def bars(step, width=5.4):
     figure, (axes,) = chart(width, 2.6)
     tones = [colours.unit(colours.PERSON)] * 8 + [colours.unit(colours.FAINT)]
     axes.bar(range(9), row_beliefs[step], color=tones)
-    axes.axvline(1 + 0.5 * step, color=colours.unit(colours.GOAL), linewidth=2)
+    axes.axvline(1 + 0.5 * step, color=colours.unit(colours.ROBOT), linewidth=2)
     axes.set_xticks(range(9), [*(f"{v}\n{look}" for v, look in enumerate(LOOKS)), "off\n "])
     axes.set(ylim=(0, 1), ylabel="belief")
     return from_figure(figure)
@@ -495,9 +495,9 @@ sliders(
 #
 # The belief sums over *all* paths by which the robot may have come here. Sequence matching takes only the last few views and, of all paths, the *best* one; III-G asks for it, but doesn't say how. It needs no odometry. From one view to the next, the robot stayed at its vertex or came from the one before it on the drive.
 #
-# For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. With more views, the result so far replaces $p_1$.
+# With $p_t(v)$ for the likelihood of view $t$ at vertex $v$, two views give $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. With more views, the result so far replaces $p_1$.
 #
-# Say rooms A and B look alike, the corridors outside don't, and the robot drove into A. With one view, both score the same. With two, A wins.
+# Say two rooms look alike, the corridors outside them don't, and the robot drove into the first. With one view, both score the same. With two, the first wins.
 #
 # ### Exercise 3 · `match_sequence` (medium, 12 minutes)
 #
@@ -535,7 +535,7 @@ match_sequence = check_match_sequence.use(match_sequence)
 # %% [markdown]
 # ## 5 · Halfway, somebody carries it off
 #
-# Your robot drives from a twin to the green place; its odometry drifts. Halfway, somebody carries it to another room, and the odometer doesn't notice. In notebook 06, the [[kidnapped robot]] had to get lost before it noticed. What does a belief do?
+# Your robot sets out from one of the twin rooms; its odometry drifts. Halfway, somebody carries it to another room, and the odometer doesn't notice. In notebook 06, the [[kidnapped robot]] had to get lost before it noticed. What does a belief do?
 #
 # First you need the loop around `predict` and `update`. It decides three things.
 #
@@ -684,15 +684,15 @@ noticed = next(step for step in range(cut, len(off)) if vertices[step] < 0)
 right = np.nan_to_num(off, nan=np.inf) <= 2.5
 found = next(step for step in range(noticed, len(off)) if right[step : step + 20].all())
 lifted = belief_picture(cut - 1)
-view.arrow(lifted, drive_a.poses[cut], colours.INK, 9)
+view.arrow(lifted, drive_a.poses[cut], colours.TRACK, 9)
 carried = Prediction(
     "07",
     "carried",
-    "In a moment it'll be carried to the black arrow. What will it believe a second later?",
+    "In a moment it'll be carried to the light blue arrow. What will it believe a second later?",
     {
         "A": "that it's still near where it was",
         "B": "that it's off the map",
-        "C": "that it's near the black arrow",
+        "C": "that it's near the light blue arrow",
     },
     right="B",
     robot=f"{(noticed - cut) * STEP:.1f} s after it was carried it says that it's off the map. "
@@ -709,7 +709,7 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# Now go through the whole drive. Watch how the belief begins in a room with twins, and when it settles on one of them.
+# Now go through the whole drive. Watch how the belief begins in all the twin rooms at once, and when it settles on one of them.
 
 
 # %% hidden=true
@@ -748,7 +748,7 @@ def held(drive, choose):
 guesses = {
     "argmax": (held(drive_a, lambda views: views[-1]), GREY),
     "sequence of four": (held(drive_a, lambda views: match_sequence(views[-4:], before)), None),
-    "belief": (vertices, colours.ROBOT),
+    "belief": (vertices, colours.PERSON),
 }
 figure, (axes,) = chart(9.0, 2.8)
 rows, times = [], np.arange(len(off)) * STEP
@@ -776,13 +776,13 @@ show(stacked([from_figure(figure)], [title]))
 # %% [markdown]
 # Argmax jumps from twin to twin. Sequences of four jump less, but remember only the last few metres. The belief begins in all twins at once, its ring a guess, and settles in the corridor.
 #
-# [Over ten offices](../tutorial_lib/results/README.md#a-belief-over-vertices), where the robot is sure of its place, it's nearly always right. In corridors of identical doors, it's right in about half of the steps: no view tells one door from another.
+# [Over ten offices](../tutorial_lib/results/README.md#a-belief-over-vertices), whenever the robot is sure of its place, it's nearly always right. In corridors of identical doors, it's right in about half of the steps: no view tells one door from another.
 #
 # ## 6 · Your own filter
 #
 # **An open task.** Four numbers shape your robot's belief: `unknown`, `least`, `sharpness`, `hysteresis`. Too little doubt, and it swears it's in a room where it isn't. Too much, and it's off the map for ever.
 #
-# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**, above; the green line is at 2.5 m. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
+# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**, above. In the chart, the robot is off the map where it's shaded pink, and it's carried at the dashed line; the green line is at 2.5 m. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
 
 # %% hidden=true
 # Drive A at four settings
@@ -802,7 +802,7 @@ def settings_on_a(**settings):
     _, chosen = tracked(drive_a, FilterSettings(**settings))
     gap = metres_off(drive_a, chosen)
     figure, (axes,) = chart(7.0, 2.4)
-    axes.plot(times, gap, color=colours.unit(colours.ROBOT), linewidth=1.6)
+    axes.plot(times, gap, color=colours.unit(colours.PERSON), linewidth=1.6)
     lost = np.isnan(gap)
     tone = colours.unit(colours.PERSON)
     axes.fill_between(times, 10, where=lost, color=tone, alpha=0.3, linewidth=0)
@@ -864,7 +864,7 @@ else:
 #
 # ### Exercise 5 · `around_cycles` (easy, 8 minutes)
 #
-# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported. Below, the library's count drives, which has more rules.
+# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported. Below, the robot drives with the library's version, which has more rules.
 #
 # <details><summary>Hint 1: concept</summary>First drop immediate repetitions, then count, then build a new graph.</details>
 # <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list; the first one has none before it, and counts. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, in which an edge to w has its RE times a power of the bias.</details>
@@ -921,7 +921,7 @@ film_of(today, map_poses, again, at_goal, 18)
 # %% [markdown]
 # The robot begins with the same mistake. Then views that don't fit move the belief; the robot drops its plan and makes another from where it now thinks it is.
 #
-# ## 9 · Which remedy was it?
+# ## 9 · Which remedy helped?
 #
 # A handful of trips won't tell. Here are 500 in ten offices, run by `python -m tutorial_lib experiment meng_fig12`.
 #
@@ -984,14 +984,14 @@ display(remedy)
 # %% [markdown]
 # Read the chart in pairs: what a remedy adds *alone*, and what's lost *without* it. Remedies may stand in for each other, or need each other. Left out, replanning is missed most, then the filter, then sequences. The [results page](../tutorial_lib/results/README.md#fig-12-starts-that-look-alike) has the table; the paper shows one example.
 #
-# <details><summary>Alone, three of them do nothing. Why are two of those missed when they're left out?</summary>
-# They need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and more of the first plans begin in the right room, even if no second plan is allowed.
+# <details><summary>Alone, three of the four do nothing. Yet without sequences, or without the filter, fewer robots arrive. Why?</summary>
+# Sequences and the filter need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and more of the first plans begin in the right room, even if no second plan is allowed.
 # </details>
 # <details><summary>Do sequences and counting visits harm replanning?</summary>
-# Without the filter, the other three together reach less than replanning alone, and more of their trips are out of time. A likely reason: with sequences, twins are different places, so it matters in which one a plan begins. Without a belief, it often begins in the wrong one.
+# Without the filter, the other three together reach less than replanning alone, and more of their trips run out of time. A likely reason: with sequences, twins are different places, so it matters in which one a plan begins. Without a belief, it often begins in the wrong one.
 # </details>
 # <details><summary>So what good is counting visits?</summary>
-# It's insurance. When the belief says where plans begin, hardly any robot circles, and plans around what was visited are longer. But with all remedies not one robot circled.
+# It's insurance. When the belief says where plans begin, hardly any robot circles: about one in a hundred without counting, none with it. The price: plans around what was visited are longer.
 # </details>
 # <details><summary>One edge in five is a wormhole even with sequences, in the ten offices. Why?</summary>
 # On average, these offices are far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.

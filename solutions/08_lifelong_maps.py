@@ -643,7 +643,7 @@ display(lies)
 #
 # ## 6 · Who's to blame?
 #
-# The robot stood at A, and took a wormhole to B. The place looked right, so it thinks it's at B. Really, it's at the blue arrow. Next it tries B to C, and fails.
+# The robot stood at P, and took a wormhole to Q. The place looked right, so it thinks it's at Q. Really, it's at the blue arrow. Next it tries the edge from Q to R, and fails.
 
 # %% hidden=true
 # A wormhole, a true edge after it, and where the robot really is
@@ -663,7 +663,7 @@ picture = view.plain.copy()
 draw_edges(view, picture, places, true_graph.edges, GREY)
 draw_edges(view, picture, places, [(a, b), (b, c)], colours.PATH, 3.0, heads=True)
 draw_edges(view, picture, places, [(a, really)], colours.ROBOT, 3.0)
-for vertex, name in ((a, "A"), (b, "B"), (c, "C")):
+for vertex, name in ((a, "P"), (b, "Q"), (c, "R")):
     view.points(picture, places[vertex, :2], colours.INK, 4)
     write_beside(view, picture, name, places[vertex], 14)
 view.arrow(picture, places[really], colours.ROBOT, 9)
@@ -673,9 +673,9 @@ blame = Prediction(
     "08",
     "blame",
     "Amber is the plan. Which edge does your loop believe less now?",
-    {"A": "A to B, the lie", "B": "B to C, the true one", "C": "both"},
+    {"A": "P to Q, the lie", "B": "Q to R, the true one", "C": "both"},
     right="B",
-    robot=f'A to B "succeeded", so it goes from {LIE:.2f} up to {gained:.2f}; B to C falls from '
+    robot=f'P to Q "succeeded", so it goes from {LIE:.2f} up to {gained:.2f}; Q to R falls from '
     f"{TRUE:.2f} to {lost:.2f}.",
     tempting="A",
     because="it's the lie. But the robot saw what it expected, and when the next edge failed, "
@@ -685,7 +685,7 @@ blame = Prediction(
 display(blame)
 
 # %% [markdown]
-# In a corridor of look-alikes, this kills good edges by the dozen. The cure, ours again, is Bayes' rule over *both* edges at once: the drive may fail because its edge is missing, *or because the robot wasn't at B*. The more doubtful edge gets more of the blame.
+# In a corridor of look-alikes, this kills good edges by the dozen. The cure, ours again, is Bayes' rule over *both* edges at once: the drive may fail because its edge is missing, *or because the robot wasn't at Q*. The more doubtful edge gets more of the blame.
 #
 # <details><summary>What counts as a success?</summary>
 # After each drive, LTVN asks the network whether the target is connectable from where the robot is. If the network gets that wrong, a robot that never moved has "succeeded". We ask for more: it must have driven to the waypoint, and see the target within 0.8 m.

@@ -3,7 +3,7 @@
 #
 # **A flat that nobody has ever driven through.** A friend has moved across town, and tonight your robot stands in her hallway: no drives, no map, no tour. She holds up a 360° photo: *take me here*.
 #
-# For this trip your robot has another body. It turns on the spot, and its camera sees all around. Three ways lead on: A, B and C. *Which one would you take?*
+# For this trip your robot has another body. It turns on the spot, and its camera sees all around. Three directions lead on: A, B and C. *Which one would you take?*
 #
 # By the end, your robot will find such a place, running your code. You'll find out what its best guess is worth, and then teach it your own.
 
@@ -168,7 +168,7 @@ display(ways)
 #
 # This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its wheels and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**, a little off: the arrowhead is where the wheels say the robot is. Dark dots are where it looked around; the darker a pink dot, the more promising it looks. The green ring is where it's going. The compass rose has a bar for each of twelve directions, 0 ahead and on to the left: the longer, the better. Bars are pink where there's a pink dot, green where it's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. It's a little off, since the arrowhead stands where the wheels say the robot is. Dark dots are where it looked around; the deeper the pink of a dot, the more promising it looks. The amber ring is where it's going. The compass rose has a bar for each of twelve directions, numbered from 0, straight ahead, round to the left: the longer, the better. Bars are pink where there's a pink dot, amber where it's going.
 #
 # The cell takes about 5 s. Move the slider, and guess where the goal is. Only then choose *shown*.
 
@@ -200,7 +200,7 @@ def rose(scores, filled, chosen=None, heading=np.pi / 2, truth=None, side=250):
     for k in range(12):
         arc = k * np.pi / 6 + np.linspace(-0.2, 0.2, 9)
         bar = np.concatenate([at(arc, 0.1 * side), at(arc[::-1], tall(scores[k]))])
-        tone = colours.GOAL if k == chosen else GHOST if filled[k] else PALE
+        tone = colours.PATH if k == chosen else GHOST if filled[k] else PALE
         cv2.fillPoly(picture, [bar], tone, cv2.LINE_AA, 4)
         if truth is not None:
             cv2.polylines(picture, [at(arc, tall(truth[k]))], False, colours.INK, 3, cv2.LINE_AA, 4)
@@ -249,7 +249,7 @@ def episode_at(step, truth):
     both = side_by_side([graph_at(moment, known), stacked([bars], [f"scores at {node}"])], gap=10)
     images = [around(done.goal_poses[0], 530), around(moment.pose, 530)]
     picture = stacked([both, stacked(images, ["the goal", "what it sees now"], gap=4)], gap=4)
-    aim = "it knows where the goal is" if moment.found else "it goes to the green ring"
+    aim = "it knows where the goal is" if moment.found else "it goes to the amber ring"
     return picture, f"{len(moment.nodes)} dark dots, {len(moment.ghosts)} pink ones; {aim}"
 
 
@@ -275,7 +275,7 @@ print(
 # %% [markdown]
 # What's odd? Until it sees the goal, it never heads for it. It heads for pink dots: unexplored places 3 m from a dark dot.
 #
-# Such a dot is a **[[ghost node]]**: a direction that may lead on. It belongs to a dark dot: a **[[node]]**, which stores a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts it didn't take stay where they are: *they're* its memory of the doors it passed.
+# A pink dot is a **[[ghost node]]**: a direction that may lead on. It belongs to a dark dot: a **[[node]]**, which stores a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts it didn't take stay where they are: *they're* its memory of the doors it passed.
 #
 # ## 2 · Four questions
 #
@@ -330,7 +330,7 @@ show(side_by_side(panels, titles))
 #
 # $$ g_k = \big[\, \ell(p_k) \le 1.05\, r \,\big], \qquad p_k = r\,(\cos 30° k,\ \sin 30° k), $$
 #
-# where $\ell$ is the length of the shortest path from the robot to a point on that map, infinite if there's none.
+# where $[\cdot]$ is 1 if what it holds is true, else 0, and $\ell$ is the length of the shortest path from the robot to a point on that map, infinite if there's none.
 #
 # <details><summary>Why not just ask whether the point is visible? Or whether any path leads there?</summary>
 # A robot has a width: it may see the point through a gap in which it would get stuck. And a doorpost that blocks the line by a hand's breadth does no harm, since a small detour leads around it. But a path that leaves by another door and goes around the house says nothing about <i>this</i> direction.
@@ -428,7 +428,7 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# So a small room may have *no* ghost: the radius that suits the paper's homes is too large for it. The library keeps any further direction that's free for a metre on a [[reserve list]], an idea of ours, and turns to it when no ghost is left. Your loop in exercise 5 has no such list; section 9 shows what that costs.
+# A small room may therefore have *no* ghost: the radius that suits the paper's homes is too large for it. So the library also has a [[reserve list]], an idea of ours: the directions that lead on for at least a metre but have no ghost. When no ghost is left, it turns to that list. Your loop in exercise 5 has no such list; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
@@ -866,7 +866,7 @@ view.goal(picture, hard.goals[number, :2])
 show(stacked([picture], ["Your loop's graph; the arrow is the start"]))
 
 # %% [markdown]
-# Eight episodes aren't many: in another building, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the results page covers twenty buildings, next to the paper's numbers. There, frontier exploration with a learned choice beats the ghosts: our buildings are flat, and 360° depth makes a metric map easy. In the paper's scanned homes, the ghosts win. An advantage that depends on the world is no law.
+# Eight episodes aren't many: in another building, the order of the middle three may differ. [Table 1](../tutorial_lib/results/README.md#table-1-image-goal-navigation) on the results page covers twenty buildings, next to the paper's numbers. There, frontier exploration with a learned choice beats the ghosts: our buildings are two-dimensional, and 360° depth makes a metric map easy. In the paper's scanned homes, the ghosts win. An advantage that depends on the world is no law.
 #
 # ## 7 · What does the score know?
 #
@@ -942,10 +942,10 @@ display(blind)
 # So in a plain building, far from the goal, the score is mere habit: it knows which direction leads *out*. With accents, it compares hues, and knows which direction leads closer. Thin lines are 95 % intervals.
 #
 # <details><summary>How large are the differences, in points?</summary>
-# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points and on medium ones 22 to 27: much of what its panorama shows is in sight, and a network can compare the two. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are in another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">results page</a> has the rest.
+# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points, and on medium ones 22 to 27: the two panoramas show much of the same, and a network can compare them. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are in another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">results page</a> has the rest.
 # </details>
 # <details><summary>Would better eyes help?</summary>
-# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions, next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard ones, the model that knows the goal finds the best direction in 70 % of all decisions, and in 51 % in plain buildings. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
+# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions, next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard decisions, the model that knows the goal finds the best direction in 70 % of cases in wayfinding buildings, and in 51 % in plain ones. These models choose at other places and see no panoramas, so compare only their gains with the chart's. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
 # </details>
 # <details><summary>Then why does F_S help in the paper, whose homes have no accents?</summary>
 # A likely reason: homes aren't laid out at random. A bathroom is next to bedrooms, a kitchen next to the dining room, and wherever a room's place depends on its kind, its kind says something about places. In the paper's Table 1, the advantage over the next best agent is largest on hard episodes. It's the <i>buildings</i> that carry the semantics; a network can only pick up what's there.
@@ -1285,7 +1285,7 @@ show(stacked(rows))
 # <li><b>When ghosts go:</b> a node within a metre removes them, and so does one in sight in their direction, even without an edge. When none are left, there's the reserve list.</li>
 # <li><b>The goal:</b> several guesses at its place are averaged, a place where it isn't seen is rejected, and the robot stops 0.6 m away by its own estimate.</li>
 # <li><b>The network</b> matches the columns of two panoramas and learns from more than the paper's five losses, among them one for the order of directions.</li>
-# <li><b>The world</b> is flat and generated. The course's car explores, too, and finds as many goals; its turns just cost metres.</li>
+# <li><b>The world</b> is two-dimensional and generated. The course's car explores, too, and finds as many goals; its turns just cost metres.</li>
 # </ul>
 # </details>
 #

@@ -265,6 +265,7 @@ FIGURES = {
         row=several(["a", "b"], refuses="empty"),
         column=several(["c", "d"], refuses="empty"),
         pairs=floats([0.9, 0.5], (2,)),
+        framed=whole(1, least=0, most=1, optional=True),
     ),
     "along_trajectory": lambda: call(
         viz.along_trajectory,

@@ -48,11 +48,11 @@ def test_the_ghost_with_the_higher_score_is_darker_and_hangs_on_its_node(box):
     assert at(view, picture, [3.5, 5.0]) == colours.PAPER
 
 
-def test_where_the_robot_goes_has_a_green_ring(box):
+def test_where_the_robot_goes_has_an_amber_ring(box):
     view, picture = drawn(box, chosen=[7.0, 7.0])
     assert at(view, picture, [7.0, 7.0]) == colours.PAPER
-    assert (picture == np.array(colours.GOAL)).all(axis=2).sum() > 30
-    assert not (drawn(box)[1] == np.array(colours.GOAL)).all(axis=2).any()
+    assert (picture == np.array(colours.PATH)).all(axis=2).sum() > 30
+    assert not (drawn(box)[1] == np.array(colours.PATH)).all(axis=2).any()
 
 
 def test_scores_that_are_all_alike_have_one_colour():

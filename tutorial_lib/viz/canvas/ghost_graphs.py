@@ -43,7 +43,7 @@ def draw_ghost_graph(
         nodes: (V, 2) places, or (V, 3) poses.
         edges: pairs of nodes.
         ghosts: for each the node on which it hangs, its place (2,) and its score.
-        chosen: (2,) the place to which the robot is going; a green ring.
+        chosen: (2,) the place to which the robot is going; an amber ring.
         written: whether the scores stand beside their ghosts.
     """
     places = points_of("nodes", nodes)
@@ -67,7 +67,7 @@ def draw_ghost_graph(
     if chosen is not None:
         chosen = places_of("chosen", chosen, (2,))
         for radius in (0.42, 0.5):
-            view.ring(picture, chosen, radius, colours.GOAL)
+            view.ring(picture, chosen, radius, colours.PATH)
     for node, place in enumerate(places):
         view.disc(picture, place, _NODE + 0.04, colours.PAPER)
         view.disc(picture, place, _NODE, colours.INK)

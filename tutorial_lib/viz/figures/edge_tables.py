@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import alike, flag, flags, floats, instances
+from tutorial_lib.validation import alike, flag, flags, floats, instances, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
@@ -61,17 +61,22 @@ def edge_table(
     return picture
 
 
-def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: ArrayLike) -> Picture:
+def aligned_sequences(
+    row: Sequence[str], column: Sequence[str], pairs: ArrayLike, framed: int | None = None
+) -> Picture:
     """Two rows of anchors, one above the other, with the RE of each aligned pair between them.
 
     Args:
         row: names of the anchors of the new trajectory.
         column: names of the vertices aligned with them, as many.
         pairs: RE of each pair; the smallest is red.
+        framed: the index of a pair with a frame around it.
     """
     row, column = instances("row", row, str), instances("column", column, str)
     pairs = floats("pairs", pairs, ("N",), empty=False)
     alike(row=row, column=column, pairs=pairs)
+    if framed is not None:
+        framed = whole("framed", framed, least=0, most=len(pairs) - 1)
     wide, high = 104, 190
     picture = np.full((high, wide * len(row) + 20, 3), colours.PAPER, np.uint8)
     for line, names in ((34, row), (156, column)):
@@ -86,4 +91,7 @@ def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: ArrayLik
         tone = colours.LASER if value == min(pairs) else colours.SOLID
         cv2.arrowedLine(picture, (across, 60), (across, 130), tone, 2, cv2.LINE_AA, 0, 0.15)
         label(picture, f"{value:.2f}", across + 6, 100, 0.5, tone)
+        if place == framed:
+            corners = (across - 48, 4), (across + 48, high - 5)
+            cv2.rectangle(picture, *corners, colours.INK, 2)
     return picture
