@@ -165,12 +165,26 @@ def test_a_page_has_no_progress_bars(project):
     source.write_text(RUNNABLE + "\n# %%\nfrom tqdm.auto import tqdm\n\nlist(tqdm(range(3)))\n")
     build(source, project)
     assert "it/s" not in target.read_text()
+
+
+def test_a_page_shows_the_pictures_of_widgets_in_place_of_them(project):
+    """JupyterLab prefers a widget, which ended with its kernel."""
+    source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
+    data = {"image/png": "AA==", "text/plain": "a strip", WIDGET: {"model_id": "1"}}
+    source.write_text(f"{RUNNABLE}\n# %%\ndisplay({data}, raw=True)\n")
+    build(source, project)
     page = nbformat.read(target, as_version=4)
+    (output,) = page.cells[-1].outputs
+    assert output.data == {"image/png": "AA==", "text/plain": "a strip"}
+    before, output.data = target.read_text(), data
     bar = {"text/plain": "  0%|    | 0/3 [00:00<?, ?it/s]", WIDGET: {"model_id": "1"}}
     page.cells[-1].outputs.append(nbformat.v4.new_output("display_data", bar))
+    page.metadata.processor = "of a page that was executed earlier"
     nbformat.write(page, target)
-    assert target in build(source, project)  # a page that has one is executed again
-    assert "it/s" not in target.read_text()
+    assert target in build(source, project)  # and is not executed again
+    after = nbformat.read(target, as_version=4)
+    assert after.metadata.pop("processor") == page.metadata.processor
+    assert after.cells == nbformat.reads(before, as_version=4).cells
 
 
 def test_building_for_students_runs_nothing(project):

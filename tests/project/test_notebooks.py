@@ -11,6 +11,7 @@ from nbformat.v4 import new_notebook
 from tests.project.printed import differences, printed
 from tests.project.unsolved import both
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
+from tutorial_lib.commands.outputs import WIDGET
 from tutorial_lib.learning.threads import processor
 
 PROJECT = Path(__file__).parents[2]
@@ -53,6 +54,7 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
     assert file.stat().st_size <= LARGEST
     there = nbformat.read(file, as_version=4)
     nbformat.validate(there)
+    assert WIDGET not in file.read_text(encoding="utf-8")
     said = texts(there.cells)
     for name in exercises(there.cells):
         assert f"{name}: passed" in said
