@@ -187,6 +187,19 @@ def test_a_page_shows_the_pictures_of_widgets_in_place_of_them(project):
     assert after.cells == nbformat.reads(before, as_version=4).cells
 
 
+def test_pages_have_the_metadata_that_jupyterlab_would_give_them(project):
+    source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
+    source.write_text(RUNNABLE)
+    build(source, project)
+    old = target.read_text().replace("Python 3 (ipykernel)", "Python 3")
+    target.write_text(old)
+    assert target in build(source, project)
+    for folder in ("notebooks", "solutions"):
+        page = nbformat.read(project / folder / "09_double.ipynb", as_version=4)
+        names = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
+        assert page.metadata.kernelspec == names
+
+
 def test_building_for_students_runs_nothing(project):
     source = project / "solutions/09_double.py"
     source.write_text(RUNNABLE + "\n# %%\nraise SystemExit\n")

@@ -43,6 +43,7 @@ def test_a_rebuild_changes_nothing(source):
     students = PROJECT / "notebooks" / f"{source.stem}.ipynb"
     assert students.read_text(encoding="utf-8") == to_text(for_students(notebook))
     there = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    assert there.metadata.kernelspec == notebook.metadata.kernelspec
     assert [(c.id, c.source) for c in there.cells] == [
         (c.id, unmarked(c.source)) for c in notebook.cells
     ]

@@ -208,7 +208,7 @@ def _finish(notebook: NotebookNode, stem: str) -> None:
     notebook.metadata = nbformat.from_dict(
         {
             "kernelspec": {
-                "display_name": "Python 3",
+                "display_name": "Python 3 (ipykernel)",  # as JupyterLab would write it
                 "language": "python",
                 "name": "python3",
             },
@@ -233,7 +233,7 @@ def _take_outputs(solved: NotebookNode, page: str) -> bool:
         cell.outputs, cell.execution_count = without_widgets(other.outputs), other.execution_count
     for cell in solved.cells:
         cell.source = unmarked(cell.source)
-    solved.metadata = there.metadata
+    solved.metadata = NotebookNode({**there.metadata, **solved.metadata})
     return True
 
 
