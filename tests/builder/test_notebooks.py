@@ -1,4 +1,5 @@
 import ast
+import re
 
 import nbformat
 import pytest
@@ -198,6 +199,21 @@ def test_pages_have_the_metadata_that_jupyterlab_would_give_them(project):
         page = nbformat.read(project / folder / "09_double.ipynb", as_version=4)
         names = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
         assert page.metadata.kernelspec == names
+
+
+def test_links_of_both_notebooks_lead_to_the_map_of_the_course(project):
+    source = project / "solutions/09_double.py"
+    source.write_text(RUNNABLE)
+    build(source, project)
+    (project / "notebooks/README.md").write_text("# The map")
+    for folder in ("notebooks", "solutions"):
+        page = nbformat.read(project / folder / "09_double.ipynb", as_version=4)
+        links = re.findall(r"\[map[^\]]*\]\(([^)]+)\)", str(page.cells))
+        assert len(links) == 2
+        for link in links:
+            assert (project / folder / link).resolve() == (
+                project / "notebooks/README.md"
+            ).resolve()
 
 
 def test_building_for_students_runs_nothing(project):

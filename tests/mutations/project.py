@@ -147,6 +147,13 @@ MUTATIONS = [
         "commands/test_lab_files.py",
     ),
     (
+        "links of solved notebooks lead to the teacher's page",
+        "builder/notebooks.py",
+        "    lead_to_notebooks(solved)\n",
+        "",
+        "builder/test_notebooks.py",
+    ),
+    (
         "JupyterLab asks whether to fetch news",
         "commands/lab.py",
         "filter(None, paths)",

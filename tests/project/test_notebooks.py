@@ -11,6 +11,7 @@ from nbformat.v4 import new_notebook
 from tests.project.printed import differences, printed
 from tests.project.unsolved import both
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
+from tutorial_lib.builder.page import lead_to_notebooks
 from tutorial_lib.commands.outputs import WIDGET
 from tutorial_lib.learning.threads import processor
 
@@ -44,6 +45,7 @@ def test_a_rebuild_changes_nothing(source):
     assert students.read_text(encoding="utf-8") == to_text(for_students(notebook))
     there = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
     assert there.metadata.kernelspec == notebook.metadata.kernelspec
+    lead_to_notebooks(notebook)
     assert [(c.id, c.source) for c in there.cells] == [
         (c.id, unmarked(c.source)) for c in notebook.cells
     ]

@@ -20,7 +20,7 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 
-from tutorial_lib.builder.page import complete
+from tutorial_lib.builder.page import complete, lead_to_notebooks
 from tutorial_lib.builder.standard import check_standard
 from tutorial_lib.checks.framework import my_answers
 from tutorial_lib.commands.outputs import without_widgets
@@ -61,6 +61,7 @@ def build(source: Path, project: Path, *, students_only: bool = False) -> list[P
     write_text(written[0], to_text(for_students(solved)))
     if students_only:
         return written
+    lead_to_notebooks(solved)
     target = source.with_suffix(".ipynb")
     before = target.read_text(encoding="utf-8") if target.exists() else ""
     if not (before and _take_outputs(solved, before)):
