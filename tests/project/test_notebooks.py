@@ -12,6 +12,7 @@ from tests.project.printed import differences, printed
 from tests.project.unsolved import both
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
 from tutorial_lib.builder.page import lead_to_notebooks
+from tutorial_lib.checks.framework.check import Result
 from tutorial_lib.commands.outputs import WIDGET
 from tutorial_lib.learning.threads import processor
 
@@ -32,6 +33,11 @@ def texts(cells):
             assert output.output_type != "error", output
             parts.append(output.get("text", "") + output.get("data", {}).get("text/plain", ""))
     return "\n".join(parts)
+
+
+def shown_as_html(cells):
+    outputs = [output for cell in cells for output in cell.get("outputs", [])]
+    return "\n".join(output.get("data", {}).get("text/html", "") for output in outputs)
 
 
 def exercises(cells):
@@ -61,6 +67,8 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
     said = texts(there.cells)
     for name in exercises(there.cells):
         assert f"{name}: passed" in said
+        verdict = Result(name, "passed", "")._repr_html_().partition("<br>")[0]
+        assert verdict in shown_as_html(there.cells), f"{name} looks otherwise: execute it anew"
     pictures = [
         o for c in there.cells for o in c.get("outputs", []) if "image/png" in str(o.keys())
     ]
