@@ -106,6 +106,18 @@ def test_it_runs_from_top_to_bottom_unsolved_and_solved(source, request):
         assert not differences(printed(before), printed(now)), before.source
 
 
+def test_whose_functions_the_solved_robot_of_06_has_is_what_its_text_says():
+    """The build saves no answers, so that none is found in `my_answers`."""
+    (source,) = (source for source in SOURCES if source.stem.startswith("06"))
+    stored = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    (table,) = (cell for cell in stored.cells if ".mine()" in cell.source)
+    rows = texts([table]).split("written by")[1].strip().splitlines()
+    assert len(rows) > 10
+    assert all(row.endswith("the library") for row in rows)
+    said = "\n".join(cell.source for cell in solved(source).cells)
+    assert "so in its table all are the library's" in said
+
+
 def test_no_notebook_is_without_a_source():
     known = {source.stem for source in SOURCES}
     for folder in ("notebooks", "solutions"):
