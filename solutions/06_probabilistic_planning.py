@@ -1191,7 +1191,7 @@ show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 #
 # ## 8 · Your robot
 #
-# What you wrote in notebooks 02 to 06 now drives one robot home, to the photo on the fridge. Each function below is **yours if its check passed**; it comes from the folder `my_answers`. Otherwise it's the library's.
+# What you wrote in notebooks 02 to 06 now drives one robot home, to the photo on the fridge. Each function below is **yours if its check passed**; it comes from the folder `my_answers`. Otherwise it's the library's. (The solved notebook is run without that folder, so in its table all are the library's.)
 #
 # | part of the robot | functions | notebook |
 # |---|---|---|

@@ -1,4 +1,5 @@
 import ast
+import re
 
 import nbformat
 import pytest
@@ -165,12 +166,54 @@ def test_a_page_has_no_progress_bars(project):
     source.write_text(RUNNABLE + "\n# %%\nfrom tqdm.auto import tqdm\n\nlist(tqdm(range(3)))\n")
     build(source, project)
     assert "it/s" not in target.read_text()
+
+
+def test_a_page_shows_the_pictures_of_widgets_in_place_of_them(project):
+    """JupyterLab prefers a widget, which ended with its kernel."""
+    source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
+    data = {"image/png": "AA==", "text/plain": "a strip", WIDGET: {"model_id": "1"}}
+    source.write_text(f"{RUNNABLE}\n# %%\ndisplay({data}, raw=True)\n")
+    build(source, project)
     page = nbformat.read(target, as_version=4)
+    (output,) = page.cells[-1].outputs
+    assert output.data == {"image/png": "AA==", "text/plain": "a strip"}
+    before, output.data = target.read_text(), data
     bar = {"text/plain": "  0%|    | 0/3 [00:00<?, ?it/s]", WIDGET: {"model_id": "1"}}
     page.cells[-1].outputs.append(nbformat.v4.new_output("display_data", bar))
+    page.metadata.processor = "of a page that was executed earlier"
     nbformat.write(page, target)
-    assert target in build(source, project)  # a page that has one is executed again
-    assert "it/s" not in target.read_text()
+    assert target in build(source, project)  # and is not executed again
+    after = nbformat.read(target, as_version=4)
+    assert after.metadata.pop("processor") == page.metadata.processor
+    assert after.cells == nbformat.reads(before, as_version=4).cells
+
+
+def test_pages_have_the_metadata_that_jupyterlab_would_give_them(project):
+    source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
+    source.write_text(RUNNABLE)
+    build(source, project)
+    old = target.read_text().replace("Python 3 (ipykernel)", "Python 3")
+    target.write_text(old)
+    assert target in build(source, project)
+    for folder in ("notebooks", "solutions"):
+        page = nbformat.read(project / folder / "09_double.ipynb", as_version=4)
+        names = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
+        assert page.metadata.kernelspec == names
+
+
+def test_links_of_both_notebooks_lead_to_the_map_of_the_course(project):
+    source = project / "solutions/09_double.py"
+    source.write_text(RUNNABLE)
+    build(source, project)
+    (project / "notebooks/README.md").write_text("# The map")
+    for folder in ("notebooks", "solutions"):
+        page = nbformat.read(project / folder / "09_double.ipynb", as_version=4)
+        links = re.findall(r"\[map[^\]]*\]\(([^)]+)\)", str(page.cells))
+        assert len(links) == 2
+        for link in links:
+            assert (project / folder / link).resolve() == (
+                project / "notebooks/README.md"
+            ).resolve()
 
 
 def test_building_for_students_runs_nothing(project):

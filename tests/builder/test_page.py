@@ -1,11 +1,13 @@
 import json
+import re
 
 import nbformat
 import pytest
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from tests.builder.test_notebooks import GOOD, WRONG
 from tutorial_lib.builder import read
-from tutorial_lib.builder.page import Entry, explained, navigation, read_glossary
+from tutorial_lib.builder.page import Entry, explained, lead_to_notebooks, navigation, read_glossary
 from tutorial_lib.errors import InputError
 
 ENTRIES = {
@@ -43,6 +45,16 @@ def test_links_lead_to_the_neighbours(tmp_path):
     assert "[03 · Three →](03_three.ipynb)" in line
     assert "→" not in navigation(tmp_path / "03_three.py")
     assert "←" not in navigation(tmp_path / "01_one.py")
+
+
+def test_a_solved_notebook_leads_to_the_map_and_not_to_the_teacher_s_page():
+    text = f"{explained('[[RE]]', ENTRIES, 'x.py')} [map](README.md) [other](../README.md#a)"
+    code = new_code_cell("print('[map](README.md)')")
+    notebook = new_notebook(cells=[new_markdown_cell(text), code])
+    lead_to_notebooks(notebook)
+    links = re.findall(r"\]\(([^) ]+)", notebook.cells[0].source)
+    assert links == ["../notebooks/README.md#re", "../notebooks/README.md", "../README.md#a"]
+    assert notebook.cells[1].source == code.source
 
 
 def test_the_page_begins_and_ends_with_links_and_hidden_code_is_folded(tmp_path):

@@ -1,4 +1,5 @@
 import importlib.util
+import re
 from functools import cache
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07, nb08, nb09, nb10
 from tutorial_lib.checks.framework import guard
 from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import Check, WrongAnswer, check
+from tutorial_lib.checks.framework.check import Check, Result, WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import close, compare, farthest
 
 ANSWERS = Path(__file__).parents[1] / "wrong_answers"
@@ -171,6 +172,23 @@ def test_results_escape_what_students_write():
     assert "<script>" not in nb01.check_to_local(fail)._repr_html_()
     judge = nb01.check_wall_share
     assert "data:image/png" in judge(judge.reference)._repr_html_()
+
+
+def luminance(colour):
+    """Of #rrggbb, by WCAG 2."""
+    parts = np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+@pytest.mark.parametrize("status", ["passed", "failed", "not attempted"])
+@pytest.mark.parametrize("page", ["#ffffff", "#111111"])
+def test_a_verdict_can_be_read_on_light_and_on_dark_pages(status, page):
+    shown = Result("double", status, "Words.")._repr_html_()
+    (style,) = re.findall(rf'<b style="([^"]+)">{status}</b>', shown)
+    colours = dict(part.split(":") for part in style.split(";") if part)
+    dark, light = sorted(luminance(colours.get(key, page)) for key in ("color", "background"))
+    assert (light + 0.05) / (dark + 0.05) >= 4.5
 
 
 def test_large_answers_must_be_as_right_as_small_ones():

@@ -133,6 +133,27 @@ MUTATIONS = [
         "test_course.py",
     ),
     (
+        "widgets of a kernel that runs are lost when the page is opened again",
+        "commands/lab_files.py",
+        "without_bars if runs else without_widgets",
+        "without_widgets",
+        "commands/test_lab_files.py",
+    ),
+    (
+        "a notebook that was only opened is to be saved",
+        "commands/lab_files.py",
+        "dict(IPythonKernel.language_info)",
+        '{"name": "python"}',
+        "commands/test_lab_files.py",
+    ),
+    (
+        "links of solved notebooks lead to the teacher's page",
+        "builder/notebooks.py",
+        "    lead_to_notebooks(solved)\n",
+        "",
+        "builder/test_notebooks.py",
+    ),
+    (
         "JupyterLab asks whether to fetch news",
         "commands/lab.py",
         "filter(None, paths)",

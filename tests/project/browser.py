@@ -129,7 +129,10 @@ class Lab:
             (folder / name).mkdir(parents=True)
         kernel = folder / "data" / "kernels" / "python3" / "kernel.json"
         arguments = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
-        write_json(kernel, {"argv": arguments, "display_name": "Python 3", "language": "python"})
+        write_json(
+            kernel,
+            {"argv": arguments, "display_name": "Python 3 (ipykernel)", "language": "python"},
+        )
         self.environment = {
             **{k: v for k, v in os.environ.items() if k not in LIMITS and k[:7] != "JUPYTER"},
             **{name: str(folder / value) for name, value in names.items()},

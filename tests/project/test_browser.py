@@ -10,7 +10,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from tests.project.browser import FLAGS, Lab, NotebookPage, find_browser, is_foreign
+from tests.project.browser import FLAGS, RUN, START, Lab, NotebookPage, find_browser, is_foreign
 
 PROJECT = Path(__file__).resolve().parents[2]
 ALWAYS = ("01_world_and_car",)
@@ -102,6 +102,18 @@ print("never")
 """  # fmt: skip
 
 
+SAVED = r"""
+import numpy as np
+from tutorial_lib.viz import sliders
+
+sliders(lambda grey: (np.full((60, 90, 3), grey, np.uint8), f"{grey}"), grey=(0, 200, 10, 100))
+""", r"""
+from tqdm.auto import tqdm
+
+list(tqdm(range(3), leave=False))
+"""  # fmt: skip
+
+
 @pytest.fixture(scope="module")  # not session: while it lives, no other test can run an event loop
 def lab(tmp_path_factory):
     """JupyterLab on copies of the notebooks, and a browser."""
@@ -131,7 +143,7 @@ def check(lab, notebook, screenshots=None, **options):
 def write(lab, name, sources):
     """A notebook of these cells."""
     cells = [nbformat.v4.new_code_cell(source.strip()) for source in sources]
-    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    kernel = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
     notebook = nbformat.v4.new_notebook(cells=cells, metadata={"kernelspec": kernel})
     nbformat.write(notebook, lab.root / name)
     return lab.root / name
@@ -183,6 +195,48 @@ def test_a_question_of_jupyterlab_is_reported_at_once(lab):
 def test_it_finds_nothing_else(faults):
     failed = [found for found in faults.problems if "example.invalid" not in found]
     assert len(failed) == 10, failed
+
+
+def opened(lab, server, notebook):
+    """A page whose kernel has started."""
+    page = NotebookPage(lab.context, server, notebook)
+    page._wait("course.idle()", START, "the kernel does not start")
+    page.page.wait_for_timeout(2000)  # JupyterLab writes what it knows of the kernel
+    return page
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("folder", ["notebooks", "solutions"])
+def test_what_was_only_opened_is_not_to_be_saved(lab, folder):
+    copy = lab.root / f"opened {folder}"
+    shutil.copytree(PROJECT / folder, copy, ignore=shutil.ignore_patterns("*.py", ".*"))
+    page = opened(lab, lab, copy / f"{ALWAYS[0]}.ipynb")
+    dirty = page.page.evaluate("course.panel().context.model.dirty")
+    page.close()
+    assert not dirty
+
+
+@pytest.mark.full
+def test_a_saved_notebook_shows_its_sliders_and_without_its_kernel_their_picture(lab, tmp_path):
+    server = Lab(tmp_path)
+    notebook = write(server, "saved.ipynb", SAVED)
+    sliders, picture = ".jp-Cell .noUi-handle", ".jp-Cell .jp-RenderedImage img"
+    with server:
+        page = opened(lab, server, notebook)
+        page.page.evaluate("course.run()")
+        page._wait("course.finished && course.idle()", RUN, "not at its end")
+        page.page.evaluate("course.panel().context.save()")
+        page.page.reload()
+        page.page.wait_for_selector(sliders)
+        assert page.page.locator(picture).count() == 0
+        page.page.close()  # its kernel goes on
+    with server:  # the next day
+        page = opened(lab, server, notebook)
+        page.page.wait_for_selector(picture)
+        assert page.page.locator(sliders).count() == 0
+        assert "widget" not in page.page.locator(".jp-Notebook").inner_text()
+        assert not page.page.evaluate("course.panel().context.model.dirty")
+        page.close()
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,9 @@ from nbformat.v4 import new_notebook
 from tests.project.printed import differences, printed
 from tests.project.unsolved import both
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
+from tutorial_lib.builder.page import lead_to_notebooks
+from tutorial_lib.checks.framework.check import Result
+from tutorial_lib.commands.outputs import WIDGET
 from tutorial_lib.learning.threads import processor
 
 PROJECT = Path(__file__).parents[2]
@@ -32,6 +35,11 @@ def texts(cells):
     return "\n".join(parts)
 
 
+def shown_as_html(cells):
+    outputs = [output for cell in cells for output in cell.get("outputs", [])]
+    return "\n".join(output.get("data", {}).get("text/html", "") for output in outputs)
+
+
 def exercises(cells):
     return [cell.metadata["exercise"] for cell in cells if "exercise" in cell.metadata]
 
@@ -42,6 +50,8 @@ def test_a_rebuild_changes_nothing(source):
     students = PROJECT / "notebooks" / f"{source.stem}.ipynb"
     assert students.read_text(encoding="utf-8") == to_text(for_students(notebook))
     there = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    assert there.metadata.kernelspec == notebook.metadata.kernelspec
+    lead_to_notebooks(notebook)
     assert [(c.id, c.source) for c in there.cells] == [
         (c.id, unmarked(c.source)) for c in notebook.cells
     ]
@@ -53,9 +63,12 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
     assert file.stat().st_size <= LARGEST
     there = nbformat.read(file, as_version=4)
     nbformat.validate(there)
+    assert WIDGET not in file.read_text(encoding="utf-8")
     said = texts(there.cells)
     for name in exercises(there.cells):
         assert f"{name}: passed" in said
+        verdict = Result(name, "passed", "")._repr_html_().partition("<br>")[0]
+        assert verdict in shown_as_html(there.cells), f"{name} looks otherwise: execute it anew"
     pictures = [
         o for c in there.cells for o in c.get("outputs", []) if "image/png" in str(o.keys())
     ]
@@ -91,6 +104,18 @@ def test_it_runs_from_top_to_bottom_unsolved_and_solved(source, request):
         return
     for before, now in zip(stored.cells, (run.cells[i] for i in first), strict=True):
         assert not differences(printed(before), printed(now)), before.source
+
+
+def test_whose_functions_the_solved_robot_of_06_has_is_what_its_text_says():
+    """The build saves no answers, so that none is found in `my_answers`."""
+    (source,) = (source for source in SOURCES if source.stem.startswith("06"))
+    stored = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    (table,) = (cell for cell in stored.cells if ".mine()" in cell.source)
+    rows = texts([table]).split("written by")[1].strip().splitlines()
+    assert len(rows) > 10
+    assert all(row.endswith("the library") for row in rows)
+    said = "\n".join(cell.source for cell in solved(source).cells)
+    assert "so in its table all are the library's" in said
 
 
 def test_no_notebook_is_without_a_source():

@@ -20,9 +20,10 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 
-from tutorial_lib.builder.page import complete
+from tutorial_lib.builder.page import complete, lead_to_notebooks
 from tutorial_lib.builder.standard import check_standard
 from tutorial_lib.checks.framework import my_answers
+from tutorial_lib.commands.outputs import without_widgets
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
 from tutorial_lib.learning.threads import processor
@@ -36,7 +37,6 @@ LARGEST = 1_000_000
 """Bytes of a notebook with its outputs."""
 _STORED = {my_answers.FOLDER: "", STATIC: "1", "TQDM_DISABLE": "1"}
 """While a notebook is executed for its page: no answers are saved, no progress bars shown."""
-_WIDGET = "application/vnd.jupyter.widget-view+json"
 _TIMEOUT = 120  # seconds a cell may take while it is built
 
 
@@ -61,6 +61,7 @@ def build(source: Path, project: Path, *, students_only: bool = False) -> list[P
     write_text(written[0], to_text(for_students(solved)))
     if students_only:
         return written
+    lead_to_notebooks(solved)
     target = source.with_suffix(".ipynb")
     before = target.read_text(encoding="utf-8") if target.exists() else ""
     if not (before and _take_outputs(solved, before)):
@@ -180,18 +181,10 @@ def execute(notebook: NotebookNode, folder: Path, env: Mapping[str, str] | None 
     for cell in notebook.cells:
         cell.source = unmarked(cell.source)
         if cell.cell_type == "code":
-            cell.outputs = [output for output in cell.outputs if not is_bar(output)]
+            cell.outputs = without_widgets(cell.outputs)
     notebook.metadata.pop("widgets", None)
     notebook.metadata.language_info = {"name": "python"}
     notebook.metadata.processor = processor()
-
-
-def is_bar(output: NotebookNode) -> bool:
-    """Whether an output is a progress bar; as widgets they heed no TQDM_DISABLE, and stay at 0%."""
-    data = output.get("data", {})
-    return (
-        _WIDGET in data and re.search(r"\[00:00.*it/s\]", str(data.get("text/plain"))) is not None
-    )
 
 
 def to_text(notebook: NotebookNode) -> str:
@@ -216,7 +209,7 @@ def _finish(notebook: NotebookNode, stem: str) -> None:
     notebook.metadata = nbformat.from_dict(
         {
             "kernelspec": {
-                "display_name": "Python 3",
+                "display_name": "Python 3 (ipykernel)",  # as JupyterLab would write it
                 "language": "python",
                 "name": "python3",
             },
@@ -237,13 +230,11 @@ def _take_outputs(solved: NotebookNode, page: str) -> bool:
     ran = [cell for cell in there.cells if cell.cell_type == "code"]
     if [cell.source for cell in ran] != [unmarked(cell.source) for cell in cells]:
         return False
-    if any(is_bar(output) for cell in ran for output in cell.outputs):
-        return False
     for cell, other in zip(cells, ran, strict=True):
-        cell.outputs, cell.execution_count = other.outputs, other.execution_count
+        cell.outputs, cell.execution_count = without_widgets(other.outputs), other.execution_count
     for cell in solved.cells:
         cell.source = unmarked(cell.source)
-    solved.metadata = there.metadata
+    solved.metadata = NotebookNode({**there.metadata, **solved.metadata})
     return True
 
 

@@ -11,6 +11,8 @@ from tutorial_lib.reading.documents import read_json
 
 GLOSSARY = "glossary.json"
 """Beside the sources: for each term its meaning, and perhaps its symbol and unit."""
+MAP = "README.md"
+"""Beside the notebooks: the map of the course and the glossary."""
 _TERM = re.compile(r"\[\[([^\]]+)\]\]")
 
 
@@ -73,11 +75,18 @@ def complete(notebook: NotebookNode, source: Path) -> None:
             cell.metadata["jupyter"] = {"source_hidden": True}
 
 
+def lead_to_notebooks(solved: NotebookNode) -> None:
+    """Let the links of a solved notebook, beside which is the teacher's page, lead to the map."""
+    for cell in solved.cells:
+        if cell.cell_type == "markdown":
+            cell.source = cell.source.replace(f"]({MAP}", f"](../notebooks/{MAP}")
+
+
 def navigation(source: Path) -> str:
     """A line of links to the notebook before, the course's page, and the notebook after."""
     sources = sorted(source.parent.glob("[0-9][0-9]_*.py"))
     place = sources.index(source)
-    links = ["[map of the course and glossary](README.md)"]
+    links = [f"[map of the course and glossary]({MAP})"]
     if place > 0:
         before = sources[place - 1]
         links.insert(0, f"[← {title_of(before)}]({before.stem}.ipynb)")
@@ -107,6 +116,6 @@ def explained(text: str, entries: dict[str, Entry], name: str) -> str:
             raise InputError(f"{name}: [[{term}]] is not in {GLOSSARY}; add it, or mend the term")
         meaning = found.meaning.replace('"', "'")
         unit = f" ({found.unit})" if found.unit else ""
-        return f'[{term}](README.md#{found.anchor} "{meaning}{unit}")'
+        return f'[{term}]({MAP}#{found.anchor} "{meaning}{unit}")'
 
     return _TERM.sub(link, text)

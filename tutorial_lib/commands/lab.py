@@ -17,6 +17,7 @@ def lab_arguments(folder: Path, arguments: list[str]) -> list[str]:
     ours = [
         f"--ServerApp.root_dir={folder}",
         "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb",
+        "--ServerApp.contents_manager_class=tutorial_lib.commands.lab_files.CourseFiles",
         "--LabApp.news_url=None",  # works offline: no news, no check for updates
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
         *(["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []),

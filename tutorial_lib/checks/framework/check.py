@@ -24,6 +24,8 @@ AFFORDABLE = 1.0
 """...unless all its calls by the cells below take fewer seconds than this."""
 ENDLESS = "Your function has not ended after {seconds:g} seconds. Does a loop never end?"
 _COLOURS = {"passed": "#007a57", "failed": "#b84a00", "not attempted": "#5f6570"}
+_BADGE = "color:#ffffff;padding:0 6px;border-radius:3px;"
+"""A word that reads on light and on dark pages brings its background along."""
 _ROUNDS = 5
 
 Function = Callable[..., Any]
@@ -61,7 +63,8 @@ class Result:
         text = html.escape(self.message).replace("\n", "<br>")
         page = (
             f'<div style="border-left:6px solid {colour};padding:6px 12px">'
-            f'<b>{self.exercise}</b> <b style="color:{colour}">{self.status}</b><br>{text}'
+            f'<b>{self.exercise}</b> <b style="{_BADGE}background:{colour}">{self.status}</b>'
+            f"<br>{text}"
         )
         if self.picture is not None:
             data = b64encode(cv2.imencode(".png", self.picture[..., ::-1])[1].tobytes()).decode()
