@@ -234,15 +234,18 @@ class LTVNNavigation:
         return changes(observation.laser[0], image.laser[0], offset) if self._mends else None
 
     def _free_path(self, robot: int, here: int, kind: str, new: Changes | None) -> list[int] | None:
-        """A path on which nothing new stands; the links through what does are closed (ours)."""
-        path = None
+        """A path on which nothing new stands; the links through what does are closed (ours).
+
+        Where there is none after some tries, it is the shortest of those that are left.
+        """
+        state, now = self.states[robot], float(self._now[robot])
         for _ in range(_LOOKS):
-            path = self._path(self.states[robot], here, float(self._now[robot]))
+            path = self._path(state, here, now)
             blocked = () if path is None or new is None else self._blocked(path, new)
             if not blocked:
-                break
+                return path
             self._doubt(robot, Traversal(blocked[0], kind, False, blocked=blocked, looked=True))
-        return path
+        return self._path(state, here, now)
 
     def _blocked(self, path: list[int], new: Changes) -> tuple[Edge, ...]:
         """The links through what stands on a path, the path's own edge first."""

@@ -243,6 +243,12 @@ def full_circle(count: int) -> NDArray[np.float64]:
     return (np.arange(count, dtype=float) + 0.5) * (2 * np.pi / count) - np.pi
 
 
+def beams_of(laser: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (B, 2) in the robot's frame where the beams of a full-circle scan (B,) end."""
+    angles = full_circle(len(laser))
+    return laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
 def _check_picture(rows: int, columns: int, slope: float) -> None:
     whole("rows", rows, least=1, most=MOST_COLUMNS)
     whole("columns", columns, least=2, most=MOST_COLUMNS)

@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 from functools import cache, partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from tests.conftest import in_turn, make_box, needs
 from tutorial_lib.agents.ltvn import TURNS, LTVNAgent
+from tutorial_lib.agents.ltvn_navigation import LTVNNavigation
 from tutorial_lib.agents.ltvn_state import GOAL
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD
@@ -120,6 +122,20 @@ def test_what_is_blocked_is_closed_both_ways_and_opens_again(building, queries):
     failed = {event.edge for event in agent.upkeep.events if event.kind == "pruned"}
     assert closed <= set(agent.sampled.graph.edges) | failed
     assert len(closed - failed) > len(closed) / 2
+
+
+def test_robots_before_whom_everything_stands_in_the_way_drive_what_is_left(
+    building, queries, monkeypatch
+):
+    def blocked(self, path, new):
+        return tuple(pairwise(path))[:1]
+
+    monkeypatch.setattr(LTVNNavigation, "_blocked", blocked)
+    agent = learned(building)
+    _, (navigation,) = run_queries(building, queries.subset(np.arange(2)), agent, 2)
+    closed = {event.edge for event in agent.upkeep.events if event.kind == "blocked"}
+    assert len(closed) >= 10
+    assert any(not one.looked for one in navigation.traversals)
 
 
 def test_images_of_one_place_that_look_different_ways_are_joined_by_turning(building):

@@ -6,9 +6,9 @@ from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures import dashboard as module
-from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm, beams_of, dashboard, draw_laser
+from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm, dashboard, draw_laser
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, Laser
+from tutorial_lib.world.sensors import Camera, Laser, beams_of
 
 CAR = np.array([[0.36, 0.12], [-0.06, 0.12], [-0.06, -0.12], [0.36, -0.12]])
 

@@ -16,7 +16,7 @@ from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.se2 import Array, inverse, relative, to_world
 from tutorial_lib.topology.mapping.scan_matching import match_scans
 from tutorial_lib.validation import fit_together
-from tutorial_lib.world.sensors import full_circle
+from tutorial_lib.world.sensors import beams_of
 
 _AGREE = 0.6  # of a scan's points, at least, that the other confirms
 _MOVED, _TURNED = 0.8, 0.5  # metres and rad between the prediction and what fits, at most
@@ -75,9 +75,7 @@ def changes(laser: Array, mapped: Array, image: Array) -> Changes | None:
 
 def _points(laser: Array) -> Array:
     """(P, 2) what a laser sees in sight."""
-    angles = full_circle(len(laser))
-    points = laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    return points[laser < _SIGHT]
+    return beams_of(laser)[laser < _SIGHT]
 
 
 def _is_before(points: Array, laser: Array) -> NDArray[np.bool_]:

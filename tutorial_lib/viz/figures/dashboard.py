@@ -16,7 +16,7 @@ from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.panels import camera_picture
 from tutorial_lib.world.materials import Colour
 from tutorial_lib.world.raycast import Discs
-from tutorial_lib.world.sensors import Camera, full_circle
+from tutorial_lib.world.sensors import Camera, beams_of
 
 MAP, SIDE, MARGIN = 720, 480, 20
 Legend = Sequence[tuple[str, Colour]]
@@ -83,12 +83,6 @@ class RolloutFilm(Sequence[Picture]):
         if isinstance(index, slice):
             return replace(self, moments=self.moments[index])
         return dashboard(self.view, self.moments[index], self.title, self.legend)
-
-
-def beams_of(laser: Array) -> Array:
-    """Points (B, 2) in the robot's frame where the beams of a full-circle scan (B,) end."""
-    angles = full_circle(len(laser))
-    return laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEND) -> Picture:
