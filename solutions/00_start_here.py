@@ -132,8 +132,11 @@ print(f"a map of {outcome.vertices} images, joined by {outcome.edges} lines")
 print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"{robot} {outcome.ending}, after {outcome.seconds:.0f} s")
-frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
-play(frames, 5, times=np.linspace(0.0, outcome.seconds, len(frames)), count=3)
+frames = [
+    cv2.resize(film[i], (756, 456), interpolation=cv2.INTER_AREA) for i in range(0, len(film), 10)
+]
+maps = [frame[:444, :444] for frame in frames]
+play(frames, 5, times=np.linspace(0.0, outcome.seconds, len(frames)), count=3, strip=maps)
 
 # %% [markdown]
 # That's the whole course in a minute. How does it work?

@@ -31,8 +31,8 @@ from tutorial_lib.viz import (
     sliders,
     stacked,
     table,
-    write_beside,
 )
+from tutorial_lib.viz.canvas.labels import draw_badge
 from tutorial_lib.world import (
     EYE,
     WALL_HEIGHT,
@@ -700,8 +700,8 @@ for number, k in enumerate(kept, 1):
     local = beams[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     view.points(picture, to_world(track[k], local[beams < 4.0]), colours.LASER, 1.5)
     view.robot(picture, track[k], 1.4 * car.footprint)
-    aside = 17 if abs(np.sin(track[k][2])) > 0.7 else -17  # pixels, where there is room
-    write_beside(view, picture, str(number), track[k], aside)
+    near = track[k - 9] if k else track[11]  # on its way, where nothing else is
+    draw_badge(picture, str(number), view.pixels(near[:2]), 0.45)
     frames.append(camera_picture(recorded[k].image[0], 220))
     names.append(f"image {number}")
 images = np.array([recorded[k].image[0] for k in kept], dtype=float)

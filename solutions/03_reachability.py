@@ -398,10 +398,15 @@ stops = Prediction(
     tempting="A",
     because="a car can't go sideways. But it can go back and forth, and it would have had the time.",
     before=cars_picture([1], with_waypoints=True),
-    after=side_by_side(
-        [map_around(living_room, grid, reached) for reached in outcomes.values()],
-        [f"{name}: {counts[name]}" for name in outcomes],
-        height=300,
+    after=stacked(
+        [
+            cars_picture([1], with_waypoints=True),
+            side_by_side(
+                [map_around(living_room, grid, reached) for reached in outcomes.values()],
+                [f"{name}: {counts[name]}" for name in outcomes],
+                height=300,
+            ),
+        ]
     ),
 )
 display(stops)
@@ -1263,14 +1268,16 @@ def slide(metres_to_the_target, turned_by_degrees):
     view.polyline(picture, track[:, :2], colours.TRACK if reached else colours.LASER, 3)
     view.robot(picture, pose, car.footprint)
     map_part = closeup(view, picture, recorded.poses[along, :2], 1.1)
-    images = pictured_pair(*people_camera.look(scene, np.array([pose, goal]))[0], 300)
+    images = pictured_pair(*people_camera.look(scene, np.array([pose, goal]))[0], 330)
     side = stacked(
         [images, along_trajectory(metres_ahead, probability, target, reached)], width=330
     )
     gap = np.linalg.norm(track[:, :2] - goal[:2], axis=1).min()
     joint = "and" if reached == (probability[target] >= 0.5) else "but"
     ending = "the car arrived" if reached else f"the car came no nearer than {gap:.2f} m"
-    return side_by_side([map_part, side]), f"RE {probability[target]:.2f}, {joint} {ending}"
+    return side_by_side(
+        [map_part, side], height=480
+    ), f"RE {probability[target]:.2f}, {joint} {ending}"
 
 
 sliders(

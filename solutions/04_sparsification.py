@@ -571,8 +571,8 @@ move_on = check_move_on.use(move_on)
 
 # %% hidden=true
 # One threshold, filmed
-def trust_chart(robot, lines, title):
-    """RE of a robot's active anchor, and of the carried one's; where it lets go is shaded."""
+def trust_chart(robot, lines, title, carried=False):
+    """RE of a robot's active anchor, and of the carried one's; where one lets go is shaded."""
     figure, (axis,) = chart(9.0, 3.2)
     seconds = np.arange(len(film_trust)) * STEP
     for which, tone, name in (
@@ -582,10 +582,12 @@ def trust_chart(robot, lines, title):
         first, last = (0, ends[which]) if which == robot else (WHEN, WHEN + 120)
         span = slice(first, last)
         axis.plot(seconds[span], film_trust[span, which], color=colours.unit(tone), label=name)
-    loose = film_states[: ends[robot], robot] == State.DEAD_RECKONING
-    axis.fill_between(
-        seconds[: len(loose)], 0, 1, where=loose, color="0.6", step="post", label="lets go"
-    )
+    which, tone = (WAITS, colours.LASER) if carried else (robot, colours.SOLID)
+    span = slice(WHEN, WHEN + 120) if carried else slice(ends[robot])
+    loose = film_states[span, which] == State.DEAD_RECKONING
+    shade = {"color": colours.unit(tone), "alpha": 0.3 if carried else 0.6, "linewidth": 0}
+    words = "the carried one lets go" if carried else "lets go"
+    axis.fill_between(seconds[span], 0, 1, where=loose, step="post", label=words, **shade)
     for line in lines:
         axis.axhline(line, color=colours.unit(colours.FAINT), linewidth=1.2)
         place = {"transform": axis.get_yaxis_transform(), "va": "center", "fontsize": 10}
@@ -613,7 +615,7 @@ line = Prediction(
     tempting="C",
     because="it never lets go without need. But it doesn't let go in the wrong room either.",
     before=trust_chart(ONE, [0.92], f"One line: it lets go {changes_of(ONE)} times"),
-    after=trust_chart(USUAL, [0.92, 0.4], f"Two lines: it lets go {changes_of(USUAL)} times"),
+    after=trust_chart(USUAL, [0.92, 0.4], f"Two lines: it lets go {changes_of(USUAL)} times", True),
 )
 display(line)
 
@@ -850,15 +852,16 @@ track, states, _ = follow(guide, paths, starts, follow_step, people=[person], di
 end = int(np.argmax(np.append(states[:, ALONE] == State.DONE, True)))
 driven = track[: end + 1, ALONE]
 places = np.linspace(0, end, 6).round().astype(int)
-picture = with_drive(view, anchors, 8)
-view.polyline(picture, driven[:, :2], colours.ROBOT, 4)
-view.goal(picture, flat.places[1])
+half = PlanView(scene, 360, 500)
+picture = with_drive(half, anchors, 5)
+half.polyline(picture, driven[:, :2], colours.ROBOT, 2)
+half.goal(picture, flat.places[1])
 images = people_camera.look(scene, driven[places])[0]
-numbered = numbered_views(view, picture, driven[places], images, 270, 1, 0.6, poses[:, :2])
+numbered = numbered_views(half, picture, driven[places], images, 216, 1, 0.6, poses[:, :2])
 off_by = np.linalg.norm(driven[-1, :2] - poses[-1, :2])
 print(f"{robot_name()}: {len(anchors)} of {len(frames)} images, {arc[-1]:.0f} m in ", end="")
 print(f"{end * STEP:.0f} s; at the end {off_by:.2f} m from where the drive ended")
-show(side_by_side([numbered], height=480))
+show(numbered)
 
 # %% [markdown]
 # That was the good case. Four more robots set off with the first, without seeing one another. After 12 s one is pushed aside, one is turned, and one is carried to another room. No odometer notices. A person walks towards the fourth, waits, and turns back.

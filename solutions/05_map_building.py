@@ -129,11 +129,11 @@ two = query_all_pairs(flat, [named.index("C to D"), named.index("A to B")])
 view, near_view = PlanView(flat.scene, 290, 390), PlanView(flat.scene, 560, 760)
 
 
-def with_places(picture, view=view):
-    """A plan with the four places on it."""
+def with_places(picture, view=view, above=13):
+    """A plan with the four places on it, their names so many pixels above them."""
     for name, place in zip(PLACES, flat.places, strict=True):
         view.points(picture, place, colours.INK, 3)
-        write_beside(view, picture, name, [*place, 0.0], 13)
+        write_beside(view, picture, name, [*place, 0.0], above)
     return picture
 
 
@@ -150,14 +150,15 @@ def photo(data, vertex, width=145, name=""):
 
 def trip_picture(edges=()):
     """Two drives on the plan, their photos, and perhaps changes between them with colours."""
-    plan, strips = with_places(view.plain.copy()), []
+    plan, strips = with_places(view.plain.copy(), above=23), []
     for own, tone, names in zip(
         two.trajectories, (GREY, colours.FAINT), ("1234567890", "abcdefghij"), strict=True
     ):
         view.polyline(plan, two.poses[own, :2], tone, 2)
         for vertex, name in zip(own, names, strict=False):
             view.arrow(plan, two.poses[vertex], tone, 5)
-            write_beside(view, plan, name, two.poses[vertex], 12)
+            off = -13 if name == "h" else 12  # or it would touch the goal
+            write_beside(view, plan, name, two.poses[vertex], off)
         photos = [photo(two, v, name=n) for v, n in zip(own, names, strict=False)]
         strips.append(stacked(photos, gap=2))
     for (source, target), tone in edges:

@@ -81,6 +81,7 @@ from tutorial_lib.viz import (
     table,
     write_beside,
 )
+from tutorial_lib.viz.canvas.labels import draw_badge
 from tutorial_lib.world import STEP, Camera, Simulation, scene_of, world_name
 
 use_threads(1)  # the networks are small: a second thread would mostly wait
@@ -809,11 +810,11 @@ display(carried)
 SHOWN = 12
 loop_building = make_building(10_007, 0, count=5)
 shown = np.sort(np.random.default_rng(0).permutation(len(loop_building.pairs))[:SHOWN])
-loop = map_from(loop_building, shown, PlanView(loop_building.scene, 390, 390))
+loop = map_from(loop_building, shown, PlanView(loop_building.scene, 390, 390, margin=30))
 loop_trials = draw_trials(loop_building, 20, np.random.default_rng(1))
 loop_goals, loop_robots, loop_ends = loop.ends_of(loop_trials)
 loop_decisions = [decide(loop.graph, *ends, rules) for ends in loop_ends]
-loop_map = loop.map_picture("01234")
+loop_map = loop.map_picture()
 of_pair = {tuple(pair): index for index, pair in enumerate(loop_trials.pairs.tolist())}
 
 
@@ -832,6 +833,18 @@ def cut_edges(index, cut):
     return first, best, removed
 
 
+def name_places(picture):
+    """The numbers of the places, outwards of them and on top of all else."""
+    spots = loop.view.pixels(np.array(loop_building.places)[:, :2])
+    outwards = spots - spots.mean(axis=0)
+    spots += 26 * outwards / np.linalg.norm(outwards, axis=1, keepdims=True)
+    for number, spot in enumerate(np.clip(spots, 17, 373)):
+        draw_badge(picture, str(number), spot, 0.55)
+
+
+name_places(loop_map)
+
+
 def with_cuts(start, goal, edges_cut):
     """The plan from place to place with some edges cut."""
     if (start, goal) not in of_pair:
@@ -844,6 +857,7 @@ def with_cuts(start, goal, edges_cut):
     if removed and best[0]:
         loop.plan_picture(best[0][1:-1], *ends, colours.GOAL, picture)
     draw_edges(loop.view, picture, loop.poses, removed, colours.LASER, 4.0)
+    name_places(picture)
     remaining = f"{len(best[0]) - 1} hops with {best[1]:.3f}" if best[0] else "none"
     refused = f" (refused: {best[2]})" if best[2] else ""
     return picture, f"at first {first[1]:.3f}; now {remaining}{refused}"
@@ -1482,7 +1496,8 @@ draw_topomap(film_view, film_view.base, your_topomap, places)
 owner = ROBOT or "your robot"
 film = RolloutFilm(film_view, robot.moments, f"{owner}: to the photo on the fridge")
 numbers = tqdm(range(len(film)), "pictures of the film", leave=False)
-play([cv2.resize(film[i], (882, 532)) for i in numbers], 2, robot.seconds, count=2)
+frames = [cv2.resize(film[i], (882, 532), interpolation=cv2.INTER_AREA) for i in numbers]
+play(frames, 2, robot.seconds, count=3, strip=[frame[:518, :518] for frame in frames])
 
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table says "the library", there's still something to write.
@@ -1572,7 +1587,7 @@ came_true = [(predicted.mean(), found.mean()) for predicted, found in made_up]
 luck = Prediction(
     "06",
     "luck",
-    "World 1 is drawn. In world 2, hops share their luck. Where will its curve lie?",
+    "World 1 is grey. In world 2, hops share their luck. Where will its curve lie?",
     {"A": "above the diagonal", "B": "on it", "C": "below it"},
     right="A",
     robot=f"in world 2 its paths promise {came_true[1][0]:.2f} on average, and "

@@ -683,8 +683,16 @@ def belief_picture(step):
 noticed = next(step for step in range(cut, len(off)) if vertices[step] < 0)
 right = np.nan_to_num(off, nan=np.inf) <= 2.5
 found = next(step for step in range(noticed, len(off)) if right[step : step + 20].all())
-lifted = belief_picture(cut - 1)
-view.arrow(lifted, drive_a.poses[cut], colours.TRACK, 9)
+
+
+def put_down(step):
+    """The belief at a step, and where the robot is put down."""
+    picture = belief_picture(step)
+    view.arrow(picture, drive_a.poses[cut], colours.TRACK, 9)
+    view.arrow(picture, drive_a.poses[step], colours.ROBOT, 9)
+    return picture
+
+
 carried = Prediction(
     "07",
     "carried",
@@ -700,9 +708,9 @@ carried = Prediction(
     tempting="C",
     because="what it sees there is on the map. But belief moves along edges, and none leads there. "
     "First the old place is contradicted; from off the map it may come back anywhere.",
-    before=lifted,
+    before=put_down(cut - 1),
     after=side_by_side(
-        [belief_picture(step) for step in (noticed + 5, found)],
+        [put_down(step) for step in (noticed + 5, found)],
         [f"{(step - cut) * STEP:.1f} s later" for step in (noticed + 5, found)],
     ),
 )

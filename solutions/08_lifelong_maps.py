@@ -591,7 +591,7 @@ def spoilt_picture(graph, wormholes):
     return picture, len(left)
 
 
-figure, (axes,) = chart(5.4, 3.4)
+figure, (axes,) = chart(3.8, 3.7)
 for updating, tone, words in (
     (False, GREY, "it doesn't learn"),
     (True, colours.ROBOT, "it learns"),
@@ -623,7 +623,11 @@ lies = Prediction(
     because="nobody looks for them. But each is a short cut, so plans run into them one by one, "
     "and two failures are enough.",
     before=before_picture,
-    after=side_by_side([after_picture, from_figure(figure)], gap=10),
+    after=side_by_side(
+        [before_picture, after_picture, from_figure(figure)],
+        ["at first", "after two hundred queries", ""],
+        gap=10,
+    ),
 )
 display(lies)
 
@@ -634,7 +638,8 @@ display(lies)
 # for edge in ((here, ahead), (ahead, here)):
 #     if graph.has_edge(*edge):
 #         p = graph.edges[edge]["probability"]
-#         graph.edges[edge]["probability"] = update(p, success)
+#         p = update(p, success)
+#         graph.edges[edge]["probability"] = p
 # ```
 #
 # <details><summary>Answer</summary>

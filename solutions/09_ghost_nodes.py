@@ -223,18 +223,27 @@ good = [i for i in range(EPISODES) if stories[i][1].success[0]] or [0]
 chosen = min(good, key=lambda i: abs(len(stories[i][0].panoramas) - 5))
 story, done = stories[chosen]
 last = len(story.moments) - 1
+drawn = [done.goal_poses[:, :2]]  # all that has a place in the episode
+for moment in story.moments:
+    hung = [place for _, _, place, _ in moment.ghosts]
+    drawn += [
+        np.reshape([moment.pose[:2], moment.believed[:2], *moment.nodes[:, :2], *hung], (-1, 2))
+    ]
+drawn = np.concatenate(drawn)
+bounds = [*(drawn.min(axis=0) - 0.6), *(drawn.max(axis=0) + 0.6)]
+near_view = PlanView(flat, 320, 320, bounds=bounds)
 
 
 def graph_at(moment, known):
     """What the robot remembers, on white or on the plan."""
-    picture = faded(view.base, 0.5) if known else np.full_like(view.base, 255)
+    picture = faded(near_view.base, 0.5) if known else np.full_like(near_view.base, 255)
     if known:
         true = np.array([m.pose for m in story.moments[: story.moments.index(moment) + 1]])
-        view.polyline(picture, true[:, :2], colours.TRACK, 4.0)
-        view.goal(picture, done.goal_poses[0, :2])
+        near_view.polyline(picture, true[:, :2], colours.TRACK, 4.0)
+        near_view.goal(picture, done.goal_poses[0, :2])
     ghosts = [(node, place, score) for node, _, place, score in moment.ghosts]
-    draw_ghost_graph(view, picture, moment.nodes, moment.edges, ghosts, moment.place)
-    view.arrow(picture, moment.believed, colours.ROBOT, 10.0)
+    draw_ghost_graph(near_view, picture, moment.nodes, moment.edges, ghosts, moment.place)
+    near_view.arrow(picture, moment.believed, colours.ROBOT, 10.0)
     return picture
 
 
@@ -247,7 +256,7 @@ def episode_at(step, truth):
     shown = story.truth[node] if known else None
     bars = rose(story.scores[node], has, to, moment.nodes[node, 2], shown)
     both = side_by_side([graph_at(moment, known), stacked([bars], [f"scores at {node}"])], gap=10)
-    images = [around(done.goal_poses[0], 530), around(moment.pose, 530)]
+    images = [around(done.goal_poses[0], 580), around(moment.pose, 580)]
     picture = stacked([both, stacked(images, ["the goal", "what it sees now"], gap=4)], gap=4)
     aim = "it knows where the goal is" if moment.found else "it goes to the amber ring"
     return picture, f"{len(moment.nodes)} dark dots, {len(moment.ghosts)} pink ones; {aim}"
@@ -266,7 +275,7 @@ sliders(
 # %% hidden=true
 # The truth about this episode
 shots = [episode_at(step, "shown")[0] for step in (last // 2, last)]
-display(show(side_by_side(shots, [f"step {last // 2}", f"step {last}"], height=480)))
+display(show(side_by_side(shots, [f"step {last // 2}", f"step {last}"], height=430)))
 print(
     f"{robot_name()} needed {int(done.steps[0])} actions and {done.travelled[0]:.0f} m; "
     f"the shortest path has {hard.shortest[chosen]:.0f} m"
@@ -894,8 +903,8 @@ chosen_right = {
 }
 
 
-def scores_chart(hidden=("plain", "hard"), titles=("plain", "wayfinding")):
-    """How often each network finds the best direction; one bar may be hidden."""
+def scores_chart(told=False, titles=("plain", "wayfinding")):
+    """How often each network finds the best direction; the bar that is asked for only if `told`."""
     figure, axes = chart(8.6, 3.5, 2)
     for axis, signs, title in zip(axes, ("plain", "wayfinding"), titles, strict=True):
         for score, name, shift, tone in (
@@ -904,9 +913,11 @@ def scores_chart(hidden=("plain", "hard"), titles=("plain", "wayfinding")):
         ):
             for place, level in enumerate(LEVELS):
                 row = chosen_right[signs, level, score]
-                if score == "semantic" and (signs, level) == hidden:
-                    axis.text(place + shift, 0.05, "?", ha="center", fontsize=20)
-                    continue
+                if (signs, level, score) == ("plain", "hard", "semantic"):
+                    tint = colours.unit(colours.PAPER if told else colours.INK)
+                    axis.text(place + shift, 0.05, "?", ha="center", fontsize=20, color=tint)
+                    if not told:
+                        continue
                 gap = [[row["top1"] - row["low"]], [row["high"] - row["top1"]]]
                 word = name if not place else None
                 tones = {"color": colours.unit(tone), "ecolor": colours.unit(colours.INK)}
@@ -923,7 +934,7 @@ knows_hard = chosen_right["plain", "hard", "semantic"]["top1"]
 blind = Prediction(
     "09",
     "blind",
-    "One blue bar is hidden. How often does F_S find the best direction there?",
+    "How often does F_S find the best direction at the question mark?",
     {"A": "in about 72 %, like the blind one", "B": "in about 80 %", "C": "in about 90 %"},
     right="A",
     robot=f"it finds the best direction in {knows_hard:.0%} of these decisions, and the blind one "
@@ -933,7 +944,7 @@ blind = Prediction(
     "Behind several doors, nothing in a panorama says where the goal is.",
     before=scores_chart(),
     after=scores_chart(
-        None, ("Plain: no help on hard decisions", "Wayfinding: it helps at any distance")
+        True, ("Plain: no help on hard decisions", "Wayfinding: it helps at any distance")
     ),
 )
 display(blind)

@@ -27,6 +27,7 @@ from tests.doors.walk import anything, call
 from tutorial_lib import viz
 from tutorial_lib.interfaces import Plan
 from tutorial_lib.viz.canvas.ghost_graphs import draw_ghost_graph
+from tutorial_lib.viz.canvas.labels import draw_badge
 from tutorial_lib.viz.figures import directions
 from tutorial_lib.world import Camera, Scene
 
@@ -221,6 +222,14 @@ CANVAS = {
         metrics=floats(np.stack([np.eye(2)] * 3), ("P", 2, 2), takes="more axes"),
         size=number(0.06, least=0, most=100),
         most=number(3.0, least=0, most=100),
+        colour=colour(),
+    ),
+    "draw_badge": lambda: on(
+        draw_badge,
+        seen=False,
+        text=text("12"),
+        pixel=floats([20.0, 20.0], (2,), least=-16_384, most=16_384),
+        size=number(0.5, least=0, most=100),
         colour=colour(),
     ),
     "draw_outcome": lambda: on(viz.draw_outcome, place=points(POINTS[0], (2,)), reached=flag(True)),
@@ -466,6 +475,7 @@ NOTEBOOK = {
         times=floats([0.0, 1.0], (2,), optional=True),
         count=whole(4, least=1),
         alt=text("a film"),
+        strip=several([np.zeros((8, 8, 3), np.uint8)] * 2, empty=False, optional=True),
     ),
     "presses": lambda: call(viz.presses, anything, controller=a(Pressed())),
     "show": lambda: call(viz.show, shown, picture=picture(8, 9), alt=text("a picture")),

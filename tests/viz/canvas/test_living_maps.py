@@ -32,7 +32,7 @@ def test_an_edge_turns_from_grey_to_vermilion_as_it_is_doubted(box):
 
 def test_a_pruned_edge_is_dashed(box):
     dashed, solid = drawn(box, pruned=[(0, 1)]), drawn(box, 0.0)
-    rows = (dashed == colours.LASER).all(axis=2).any(axis=0)
+    rows = (dashed == colours.INK).all(axis=2).any(axis=0)
     changes = np.diff(rows.astype(int))
     assert (changes == 1).sum() >= 5  # dashes
     assert 0.3 < rows.sum() / (solid == colours.LASER).all(axis=2).any(axis=0).sum() < 0.7

@@ -67,6 +67,8 @@ def test_a_map_is_drawn_with_y_up_and_dots_where_directions_end():
     assert picture.shape == (355, 355, 3)
     assert tuple(picture[5, 5]) == colours.SOLID
     assert tuple(picture[-5, 5]) == colours.PAPER
-    assert tuple(picture[177 - 150, 177]) == colours.GOAL
-    assert tuple(picture[177, 177 + 150]) == colours.LASER
+    for row, column, colour in ((27, 177, colours.GOAL), (177, 327, colours.LASER)):
+        assert tuple(picture[row, column - 11]) == colour  # a disc...
+        disc = picture[row - 6 : row + 7, column - 6 : column + 7].reshape(-1, 3)
+        assert (disc == colours.PAPER).all(axis=1).any()  # ...with a number
     assert tuple(picture[177, 177]) == colours.ROBOT

@@ -116,3 +116,12 @@ def test_a_png_keeps_few_colours_and_nearly_keeps_many():
     with pytest.raises(InputError, match="uint8"):
         png(slope / 255)
     assert decoded(png(few)).shape == few.shape
+
+
+def test_short_lines_keep_their_colours_among_many_others():
+    pale = np.random.default_rng(0).integers(200, 256, (300, 400, 3)).astype(np.uint8)
+    shades = [(224, 160, 12), (208, 98, 8), (10, 152, 118)]  # of a path, laser and goal, scaled
+    for row, shade in enumerate(shades):
+        pale[100 * row, :30] = shade
+    back = decoded(png(pale)).astype(int)
+    assert all(np.abs(back[100 * row, 0] - shade).max() < 16 for row, shade in enumerate(shades))

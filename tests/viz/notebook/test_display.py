@@ -6,6 +6,7 @@ import cv2
 import pytest
 
 from tests.viz.pictures import decoded, plain
+from tutorial_lib.errors import InputError
 from tutorial_lib.viz.figures.panels import (
     TITLE,
 )
@@ -30,6 +31,16 @@ def test_a_film_is_one_of_its_own_kind_and_leaves_a_strip(tmp_path):
     assert pictures[0][:TITLE].min() < 150
     assert pictures[0][-50:].min() > 230
     assert decoded(film._repr_png_()).shape[0] == 31 + TITLE
+
+
+def test_a_strip_may_show_other_pictures_of_the_same_moments():
+    frames, maps = ([plain(32, wide, shade) for shade in (0, 60, 120)] for wide in (64, 20))
+    film = play(frames, 5, count=2, strip=maps)
+    assert film.still.shape == (32 + TITLE, 2 * 20 + 8, 3)
+    assert 'width="640"' in film._repr_html_()
+    assert play(frames, 5, count=2).still.shape == (32 + TITLE, 2 * 64 + 8, 3)
+    with pytest.raises(InputError, match="strip"):
+        play(frames, 5, strip=maps[:2])
 
 
 def test_a_picture_says_what_it_shows(monkeypatch):

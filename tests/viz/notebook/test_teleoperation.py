@@ -3,7 +3,13 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.errors import InputError
-from tutorial_lib.viz.notebook.teleoperation import ACTIONS, TeleopController, teleop_picture
+from tutorial_lib.viz.figures.panels import TITLE
+from tutorial_lib.viz.notebook.teleoperation import (
+    ACTIONS,
+    TeleopController,
+    still_strip,
+    teleop_picture,
+)
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 
@@ -78,3 +84,20 @@ def test_the_picture_follows_the_state_and_changes_nothing(controller):
     assert first.dtype == np.uint8
     controller.rehearse(["forward", "left"])
     assert (controller.render() == first).all()
+
+
+@pytest.mark.parametrize(
+    ("wide", "rows", "columns", "scale"),
+    [(100, 1, 3, 1.0), (500, 1, 3, 304 / 500), (600, 2, 2, 464 / 600), (900, 3, 1, 720 / 900)],
+)
+def test_a_strip_has_as_many_rows_as_keep_its_words_readable(wide, rows, columns, scale):
+    pictures = [np.full((200, wide, 3), 10 * number, np.uint8) for number in range(1, 4)]
+    strip = still_strip(pictures, ["low", "now", "high"])
+    high = round(200 * scale)
+    assert strip.shape[0] == rows * (TITLE + high) + 16 * (rows - 1)
+    assert strip.shape[1] == pytest.approx(columns * wide * scale + 16 * (columns - 1), abs=3)
+    assert strip.shape[1] <= 960
+    for number in range(3):
+        row, column = divmod(number, columns)
+        y = row * (TITLE + high + 16) + TITLE + high // 2
+        assert (strip[y, round(column * (wide * scale + 16)) + 20] == 10 * (number + 1)).all()

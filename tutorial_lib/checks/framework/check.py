@@ -10,13 +10,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework import guard, my_answers
 from tutorial_lib.checks.framework.explanation import place, stops
 from tutorial_lib.errors import InputError, words_of
+from tutorial_lib.viz.figures.film import png
 
 SLOWEST = 20.0
 """How many times slower than the reference a solution may be and still be used..."""
@@ -67,7 +67,7 @@ class Result:
             f"<br>{text}"
         )
         if self.picture is not None:
-            data = b64encode(cv2.imencode(".png", self.picture[..., ::-1])[1].tobytes()).decode()
+            data = b64encode(png(self.picture)).decode()
             page += f'<br><img alt="expected and yours" src="data:image/png;base64,{data}">'
         return page + "</div>"
 

@@ -262,18 +262,19 @@ def _worst(
 def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
     """A line for each story: when it is near, when it touches, its time limit, both labels."""
     times, gaps, touched, geodesic = rollouts_of()
-    picture = np.full((36 + 26 * len(STORIES), 760, 3), 255, np.uint8)
+    picture = np.full((40 + 28 * len(STORIES), 770, 3), 255, np.uint8)
 
-    write = partial(label, picture, size=0.5)
+    write = partial(label, picture, size=0.65)
 
     def across(time: float) -> int:
-        return round(302 + 11 * time)
+        return round(326 + 9.2 * time)
 
-    write("green: within 0.30 m    orange: touches    bar: t_max", 4, 18, colour=colours.SOLID)
-    write("expected  yours", 628, 18, colour=colours.SOLID)
+    write("green: within 0.30 m    orange: touches    bar: t_max", 4, 20, colour=colours.SOLID)
+    write("expected", 620, 20, colour=colours.SOLID)
+    write("yours", 712, 20, colour=colours.SOLID)
     for row, (story, limit) in enumerate(zip(STORIES, time_limit(geodesic), strict=True)):
-        y = 44 + 26 * row
-        write(story[0], 4, y + 5)
+        y = 48 + 28 * row
+        write(story[0], 4, y + 6)
         for i, time in enumerate(times[:-1]):
             colour = colours.GOAL if gaps[i, row] <= REACHED else (215, 218, 222)
             cv2.rectangle(picture, (across(time), y - 2), (across(time + 0.1), y + 2), colour, -1)
@@ -281,9 +282,9 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
             cv2.circle(picture, (across(time), y + 6), 2, colours.LASER, -1, cv2.LINE_AA)
         x = across(min(limit, times[-1]))
         cv2.line(picture, (x, y - 9), (x, y + 9), colours.INK, 2)
-        write(f"{want[row]:.0f}", 666, y + 5)
+        write(f"{want[row]:.0f}", 648, y + 6)
         right = abs(got[row] - want[row]) < 1e-6
-        write(f"{got[row]:.3g}", 716, y + 5, colour=colours.GOAL if right else colours.LASER)
+        write(f"{got[row]:.3g}", 728, y + 6, colour=colours.GOAL if right else colours.LASER)
     return picture
 
 

@@ -16,7 +16,7 @@ from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, rando
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.edge_tables import edge_table
-from tutorial_lib.viz.figures.panels import side_by_side
+from tutorial_lib.viz.figures.panels import side_by_side, stacked
 
 
 def weakest_aligned(reach: Array, before: Indices, after: Indices, steps: int) -> Array:
@@ -177,8 +177,9 @@ def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
 
 def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
     reach = CASES["one trajectory beside another"][0]
-    tables = [edge_table(least, least > 0.5, names=("a", "v")) for least in (reach, want, got)]
-    return side_by_side(tables, ["RE", "expected", "yours"], gap=24)
+    given, *both = (edge_table(one, one > 0.5, names=("a", "v")) for one in (reach, want, got))
+    below = side_by_side(both, ["expected", "yours"])
+    return stacked([given, below], ["RE", ""], gap=0)
 
 
 check_weakest_aligned = exercise(

@@ -17,7 +17,7 @@ from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb06.graphs import BY_HAND, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import explaining, number, vertices
-from tutorial_lib.viz.figures.panels import side_by_side
+from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
 Found = tuple[list[Vertex], float]
@@ -239,7 +239,7 @@ def _graph(path: tuple[Vertex, ...]) -> NDArray[np.uint8]:
 
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:
     pictures = [_graph(tuple(path)) for path, _ in (want, got)]
-    return side_by_side(pictures, ["expected", "yours"], height=200)
+    return stacked(pictures, ["expected", "yours"], width=460, gap=4)
 
 
 def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Any:  # noqa: ANN401

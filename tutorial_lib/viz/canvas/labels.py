@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from tutorial_lib.se2 import to_world
-from tutorial_lib.validation import instance, number, whole
+from tutorial_lib.validation import floats, instance, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.given import LARGEST, check_canvas, colour_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -80,15 +80,35 @@ def write_beside(
     pose, off = places_of("pose", pose, (3,)), number("off", off, least=-LARGEST, most=LARGEST)
     instance("view", view, PlanView)
     beside = to_world(pose, [0.0, off / view.scale])
-    wide, high = text_size(instance("text", text, str), 0.5)
-    corner = view.pixels(beside) + np.array([-wide / 2, high / 2])
-    column, row = np.round(corner).astype(int).tolist()
-    label(picture, text, column, row, 0.5)
+    write_middle(picture, instance("text", text, str), view.pixels(beside), 0.5)
 
 
-def draw_badge(picture: Picture, text: str, pixel: NDArray[np.float64]) -> None:
-    """Draw a number on a disc at a pixel (2,)."""
+def write_middle(
+    picture: Picture,
+    text: str,
+    pixel: ArrayLike,
+    size: float = SIZE,
+    colour: tuple[int, int, int] = colours.INK,
+) -> None:
+    """Write a text whose middle is at a pixel (2,), column and row."""
+    wide, high = text_size(text, size)
+    column, row = np.round(np.asarray(pixel) + np.array([-wide, high]) / 2).astype(int).tolist()
+    label(picture, text, column, row, size, colour)
+
+
+def draw_badge(
+    picture: Picture,
+    text: str,
+    pixel: ArrayLike,
+    size: float = 0.5,
+    colour: tuple[int, int, int] = colours.INK,
+) -> None:
+    """Draw a number on a disc with a pale rim at a pixel (2,); `size` is that of its label."""
+    check_canvas(picture)
+    pixel = floats("pixel", pixel, (2,), least=-LARGEST, most=LARGEST)
+    size, colour = number("size", size, least=0.0, most=_MOST), colour_of("colour", colour)
     column, row = np.round(pixel).astype(int).tolist()
-    cv2.circle(picture, (column, row), 12, colours.INK, cv2.FILLED, cv2.LINE_AA)
-    wide, high = text_size(text, 0.5)
-    label(picture, text, column - wide // 2, row + high // 2, 0.5, colours.PAPER)
+    radius = round(_HEIGHT * size)
+    cv2.circle(picture, (column, row), radius + 2, colours.PAPER, cv2.FILLED, cv2.LINE_AA)
+    cv2.circle(picture, (column, row), radius, colour, cv2.FILLED, cv2.LINE_AA)
+    write_middle(picture, instance("text", text, str), [column, row], size, colours.PAPER)

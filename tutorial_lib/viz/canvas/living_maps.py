@@ -43,7 +43,7 @@ def draw_living_map(
     graph: nx.DiGraph,
     pruned: Iterable[tuple[int, int]] = (),
 ) -> None:
-    """Draw the edges in the colour of what is believed of them, and the pruned ones dashed.
+    """Draw the edges in the colour of what is believed of them; the pruned ones are dashed.
 
     Args:
         view: of the plan.
@@ -64,8 +64,10 @@ def draw_living_map(
         width = _SURE if share > 0.5 else _DOUBTED
         draw_edges(view, picture, poses, shades[shade], belief_colour(share), width)
     for source, target in pairs_of(pruned, len(poses), "poses", "pruned"):
-        for dash in _dashes(poses[source, :2], poses[target, :2]):
-            view.polyline(picture, dash, colours.LASER, _PRUNED)
+        ends = poses[[source, target], :2]
+        view.polyline(picture, ends, colours.PAPER, _PRUNED + 2)  # or edges beside it fill the gaps
+        for dash in _dashes(*ends):
+            view.polyline(picture, dash, colours.INK, _PRUNED)
 
 
 def _dashes(first: np.ndarray, last: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.validation import alike, flags, floats, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.given import picture_of, pixels_of, resized
-from tutorial_lib.viz.canvas.labels import label, text_size
+from tutorial_lib.viz.canvas.labels import draw_badge, label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
 _TALL = 46
@@ -82,7 +82,7 @@ def scored_panorama(
 def map_picture(
     free: NDArray[np.bool_], chosen: Sequence[bool] | NDArray[np.bool_], reach: float
 ) -> Picture:
-    """A local map with a dot in each direction: green where it is chosen, orange elsewhere.
+    """A local map with a numbered dot in each direction: green if it is chosen, orange if not.
 
     Args:
         free: (S, S) cells where a robot can be; rows run along y, and y is up in the picture.
@@ -98,14 +98,8 @@ def map_picture(
     middle, count = (len(free) // 2 + 0.5) * _CELL, len(chosen)
     for k, good in enumerate(chosen):
         angle = 2 * np.pi * k / count
-        far = reach * _CELL
-        end = (round(middle + far * np.cos(angle)), round(middle - far * np.sin(angle)))
-        cv2.circle(picture, end, 7, colours.GOAL if good else colours.LASER, -1, cv2.LINE_AA)
-        inner = far - 20
-        wide, high = text_size(str(k), 0.5)
-        x = round(middle + inner * np.cos(angle) - wide / 2)
-        y = round(middle - inner * np.sin(angle) + high / 2)
-        label(picture, str(k), x, y, 0.5)
+        end = middle + reach * _CELL * np.array([np.cos(angle), -np.sin(angle)])
+        draw_badge(picture, str(k), end, 0.6, colours.GOAL if good else colours.LASER)
     nose = np.array([[12, 0], [-8, 7], [-8, -7]]) + round(middle)
     cv2.fillPoly(picture, [nose.astype(np.int32)], colours.ROBOT, cv2.LINE_AA)
     return picture

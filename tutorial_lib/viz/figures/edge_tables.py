@@ -9,12 +9,13 @@ from numpy.typing import ArrayLike
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import alike, flag, flags, floats, instances, whole
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.labels import label
+from tutorial_lib.viz.canvas.labels import label, write_middle
 from tutorial_lib.viz.canvas.plan_view import Picture
 
 HOLDS, FAILS, PALE = (214, 236, 228), (250, 226, 214), (244, 244, 244)
 """Tints of a cell: an edge, no edge, and neither."""
 _CELL, _HEAD = 46, 46  # pixels
+_SIZE = 0.66  # of a label in a cell, which it nearly fills
 
 
 def edge_table(
@@ -48,16 +49,17 @@ def edge_table(
         picture[top : top + _CELL - 2, left : left + _CELL - 2] = tint
         value = values[row, column]
         if np.isfinite(value):
-            label(picture, f"{value:.2f}", left + 5, top + 28, 0.45)
+            middle = [left + _CELL / 2 - 1, top + _CELL / 2 - 1]
+            write_middle(picture, f"{value:.2f}", middle, _SIZE)
         if rings[row, column]:
             corner = (left + _CELL - 4, top + _CELL - 4)
             cv2.rectangle(picture, (left + 1, top + 1), corner, colours.GOAL, 2)
     for row in range(rows):
-        label(picture, str(row), 16, row * _CELL + _HEAD + 30, 0.6, colours.SOLID)
+        label(picture, str(row), 16, row * _CELL + _HEAD + 30, _SIZE, colours.SOLID)
     for column in range(columns):
-        label(picture, str(column), column * _CELL + _HEAD + 14, 34, 0.6, colours.SOLID)
-    label(picture, names[0], 2, _HEAD - 4, 0.4, colours.SOLID)
-    label(picture, names[1], _HEAD, 12, 0.4, colours.SOLID)
+        label(picture, str(column), column * _CELL + _HEAD + 16, 36, _SIZE, colours.SOLID)
+    label(picture, names[0], 2, _HEAD - 4, 0.55, colours.SOLID)
+    label(picture, names[1], _HEAD, 14, 0.55, colours.SOLID)
     return picture
 
 

@@ -4,7 +4,7 @@ import errno
 import io
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from queue import Queue
@@ -13,6 +13,7 @@ from threading import Thread
 import cv2
 import numpy as np
 from cv2.utils import logging
+from numpy.typing import NDArray
 from PIL import Image
 
 from tutorial_lib.errors import InputError
@@ -21,6 +22,10 @@ from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.given import Picture, picture_of
 
 _MOST_WAITING = 30  # frames that wait to be encoded
+_FEW = 256  # colours of a palette
+_MEANS, _APART = Image.Quantize.MEDIANCUT, Image.Quantize.MAXCOVERAGE
+_BYTES = np.array([1 << 16, 1 << 8, 1], np.int32)  # of red, green and blue in a colour's code
+_AT_ONCE = 1 << 14  # colours that are compared with a palette
 
 
 @contextmanager
@@ -78,20 +83,35 @@ def png(picture: Picture) -> bytes:
         InputError: when it is not such a picture.
     """
     picture = picture_of("picture", picture)
-    # Mean colours are enough for walls; the car, the goal and the floors keep their own.
-    kept = [*colours.THINGS, *colours.ROOMS.values()]
-    means = Image.fromarray(picture).quantize(256 - len(kept), method=Image.Quantize.MEDIANCUT)
-    palette = (means.getpalette() or [])[: 768 - 3 * len(kept)]
-    palette += [0] * (768 - 3 * len(kept) - len(palette))
-    indices, codes = np.array(means), picture @ np.array([1 << 16, 1 << 8, 1])
-    for index, (red, green, blue) in enumerate(kept, 256 - len(kept)):
-        indices[codes == (red << 16) + (green << 8) + blue] = index
-        palette += [red, green, blue]
-    few = Image.fromarray(indices)
-    few.putpalette(palette)
+    codes, where = np.unique(picture.astype(np.int32) @ _BYTES, return_inverse=True)
+    there = codes[:, None] // _BYTES % 256
+    palette = there if len(there) <= _FEW else _palette(Image.fromarray(picture))
+    parts = np.array_split(there, len(there) // _AT_ONCE + 1)
+    nearest = np.concatenate([_nearest(part, palette) for part in parts])
+    few = Image.fromarray(nearest[where].reshape(picture.shape[:2]))
+    few.putpalette(palette.astype(np.uint8).tobytes())
     buffer = io.BytesIO()
     few.save(buffer, "PNG")
     return buffer.getvalue()
+
+
+def _palette(image: Image.Image) -> NDArray[np.int32]:
+    """Colours (C, 3) for a picture that has too many."""
+    # The things and the floors keep their own. Of the others, two thirds are means of what fills
+    # the picture. With these alone, thin lines of bright colours would be mixed with each other.
+    found: list[Sequence[int]] = [*colours.THINGS, *colours.ROOMS.values()]
+    left = _FEW - len(found)
+    for count, how in ((left * 2 // 3, _MEANS), (left - left * 2 // 3, _APART)):
+        values = (image.quantize(count, method=how).getpalette() or [])[: 3 * count]
+        found += [values[i : i + 3] for i in range(0, len(values), 3)]
+    return np.array(found, np.int32)
+
+
+def _nearest(wanted: NDArray[np.int32], palette: NDArray[np.int32]) -> NDArray[np.uint8]:
+    """Which colour of a palette (C, 3) is nearest to each of these (N, 3)."""
+    # Without the square of what is wanted, which is the same for all colours of the palette.
+    far = (palette**2).sum(axis=1) - 2 * wanted.astype(np.float32) @ palette.T.astype(np.float32)
+    return far.argmin(axis=1).astype(np.uint8)
 
 
 class _Encoder:

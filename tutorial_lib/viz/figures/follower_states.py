@@ -12,12 +12,12 @@ from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.validation import floats, integers, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.anchors import STATES, state_name
-from tutorial_lib.viz.canvas.labels import label
+from tutorial_lib.viz.canvas.labels import label, write_middle
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.charts import chart, from_figure
 
 _HOLDS, _FAILS = (214, 236, 228), (250, 226, 214)
-_CELL = 46  # pixels
+_CELL, _SIZE = 46, 0.66  # pixels, and the size of a label in a cell, which it nearly fills
 _MOST = 900  # frames in a row of boxes
 _PLACES = {
     State.SEARCH: (0.10, 0.80),
@@ -31,9 +31,9 @@ _TRANSITIONS = (
     (State.SEARCH, State.FOLLOW, 0.0, "RE(best) > p_search", (0.265, 0.86)),
     (State.SEARCH, State.LOST, 0.0, "otherwise", (0.20, 0.42)),
     (State.FOLLOW, State.DEAD_RECKONING, -0.3, "RE(active) too low", (0.60, 0.97)),
-    (State.DEAD_RECKONING, State.FOLLOW, -0.3, "RE(active) > p_follow", (0.60, 0.61)),
+    (State.DEAD_RECKONING, State.FOLLOW, -0.3, "RE(active) > p_follow", (0.58, 0.61)),
     (State.FOLLOW, State.DONE, 0.0, "at the last anchor", (0.345, 0.60)),
-    (State.DEAD_RECKONING, State.LOST, 0.0, "for too long", (0.69, 0.38)),
+    (State.DEAD_RECKONING, State.LOST, 0.0, "for too long", (0.69, 0.34)),
 )
 
 
@@ -59,16 +59,17 @@ def reach_table(reach: ArrayLike, threshold: float, anchors: Sequence[int] = ())
                 colour = (colour + 2 * np.array(colours.PAPER)) // 3
             cell = picture[top : top + _CELL - 2, left : left + _CELL - 2]
             cell[:] = colour
-            label(picture, f"{line[column]:.2f}", left + 5, top + 28, 0.45)
+            middle = [left + _CELL / 2 - 1, top + _CELL / 2 - 1]
+            write_middle(picture, f"{line[column]:.2f}", middle, _SIZE)
             if following.get(row) == column:
                 corner = (left + _CELL - 3, top + _CELL - 3)
                 cv2.rectangle(picture, (left, top), corner, colours.GOAL, 3)
     for frame in range(len(reach)):
         colour = colours.GOAL if frame in anchors else colours.SOLID
-        label(picture, str(frame), (frame + 1) * _CELL + 16, 30, 0.6, colour)
-        label(picture, str(frame), 16, (frame + 1) * _CELL + 30, 0.6, colour)
-    label(picture, "from", 4, _CELL + 4, 0.45, colours.SOLID)
-    label(picture, "to", _CELL - 8, 16, 0.45, colours.SOLID)
+        label(picture, str(frame), (frame + 1) * _CELL + 16, 30, _SIZE, colour)
+        label(picture, str(frame), 16, (frame + 1) * _CELL + 30, _SIZE, colour)
+    label(picture, "from", 2, _CELL + 4, 0.55, colours.SOLID)
+    label(picture, "to", _CELL - 12, 16, 0.55, colours.SOLID)
     return picture
 
 

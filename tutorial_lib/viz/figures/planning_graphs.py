@@ -69,14 +69,14 @@ def graph_picture(
             axis.add_patch(arrow)
             beside = _beside(places[source], places[target], both)
             under = {"boxstyle": "round,pad=0.1", "color": "white", "alpha": 0.8}
-            axis.text(*beside, f"{probability:g}", bbox=under, **_words(10))
+            axis.text(*beside, f"{probability:g}", bbox=under, **_words(11))
     for vertex, (x, y) in places.items():
         if vertex in graph:
             on = vertex in path
             tone = _tone(vertex, on)
             box = {"boxstyle": "round,pad=0.35", "color": colours.unit(tone)}
             ink = colours.INK if tone == colours.PATH else colours.PAPER
-            axis.text(x, y, str(vertex), **_words(12), color=colours.unit(ink), bbox=box)
+            axis.text(x, y, str(vertex), **_words(13), color=colours.unit(ink), bbox=box)
     return from_figure(figure)
 
 

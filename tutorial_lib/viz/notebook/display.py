@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import floats, instance, number
+from tutorial_lib.validation import alike, floats, instance, number
 from tutorial_lib.viz.canvas.given import Picture, picture_of, pictures_of
 from tutorial_lib.viz.figures.film import png, write_film
 from tutorial_lib.viz.figures.panels import film_strip, line_of_text
@@ -113,6 +113,7 @@ def play(
     times: ArrayLike | None = None,
     count: int = 4,
     alt: str = "",
+    strip: Sequence[Picture] | None = None,
 ) -> Film:
     """A film as a cell's last line, or for `display`.
 
@@ -125,9 +126,11 @@ def play(
         times: (N,) seconds of the frames; the film's own unless given.
         count: frames on the strip.
         alt: says what it shows; the title of the cell unless given.
+        strip: pictures of the same moments for the strip, whose words would be too small on that of
+            the frames; the frames unless given.
 
     Raises:
-        InputError: when there are no frames, or their sizes differ.
+        InputError: when there are no frames, their sizes differ, or `strip` has not as many.
     """
     given, alt = pictures_of("frames", frames), instance("alt", alt, str)
     if len({frame.shape for frame in given}) != 1:
@@ -135,13 +138,15 @@ def play(
     rate = number("frames_per_second", frames_per_second, above=0.0, most=_FASTEST)
     rate = min(rate, len(given) / SHORTEST)
     seconds = np.arange(len(given)) / rate if times is None else floats("times", times, ("N",))
-    strip = film_strip(given, seconds, count)
+    shown = given if strip is None else pictures_of("strip", strip)
+    alike(frames=given, strip=shown)
+    still = film_strip(shown, seconds, count)
     timed = [_timed(frame, at) for frame, at in zip(given, seconds, strict=True)]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.webm"
         write_film(path, timed, rate)
         webm = path.read_bytes()
-    return Film(webm, timed[0].shape[1], strip, alt or _title_of_cell())
+    return Film(webm, timed[0].shape[1], still, alt or _title_of_cell())
 
 
 def _timed(frame: Picture, seconds: float) -> Picture:

@@ -14,7 +14,7 @@ from tutorial_lib.viz.canvas.given import places_of
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.dashboard import Moment, draw_laser, draw_map
-from tutorial_lib.viz.figures.panels import camera_picture, side_by_side
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import check_free
@@ -33,8 +33,10 @@ ACTIONS = {
     "stop": (0.0, 0.0),
 }
 """Each button's speed in m/s and steering in rad."""
-STILL = 960
-"""Width of a static strip in pixels."""
+STILL, ALONE = 960, 720
+"""Pixels: the width of a static strip, and the most that a picture alone in its row has."""
+READABLE = 0.55
+"""How much of their size the pictures of a strip keep at least."""
 
 
 def teleop_picture(view: PlanView, moment: Moment, *, hide_map: bool = False) -> Picture:
@@ -174,8 +176,17 @@ def presses_of(name: str, presses: Sequence[str]) -> tuple[str, ...]:
 
 
 def still_strip(pictures: Sequence[Picture], titles: Sequence[str]) -> Picture:
-    """Pictures side by side on a strip at most `STILL` pixels wide."""
-    width = max(picture.shape[1] for picture in pictures)
-    scale = min(1.0, (STILL / len(pictures) - 16) / width)
+    """Pictures beside each other, at most `STILL` pixels wide.
+
+    They stand in as many rows as it takes for each to keep `READABLE` of its size.
+    """
+    width, count = max(picture.shape[1] for picture in pictures), len(pictures)
+    fitting = (n for n in range(count, 1, -1) if STILL / n - 16 >= READABLE * width)
+    columns = next(fitting, 1)
+    scale = min(1.0, min(STILL / columns - 16, ALONE) / width)
     height = round(max(picture.shape[0] for picture in pictures) * scale)
-    return side_by_side(pictures, titles, height=height)
+    empty = -count % columns  # places at the end of the last row
+    shown = [*pictures, *[np.full_like(pictures[-1], 255)] * empty]
+    named = [*titles, *[""] * empty]
+    places = [slice(i, i + columns) for i in range(0, count, columns)]
+    return stacked([side_by_side(shown[row], named[row], height=height) for row in places])

@@ -143,7 +143,7 @@ class TeleopPanel(PressPanel):
         self.hide_map = ipywidgets.ToggleButton(description="hide the map")
         self.hide_map.observe(self.refresh, names="value")
         names = (*ACTIONS, "start again")
-        super().__init__(controller, names, lambda: controller.rehearse(rehearsal), "7.5em")
+        super().__init__(controller, names, lambda: controller.rehearse(rehearsal, 2), "7.5em")
         self.keyboard = ipyevents.Event(
             source=self.picture, watched_events=["keydown"], prevent_default_action=True
         )
