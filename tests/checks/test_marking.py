@@ -286,23 +286,27 @@ def test_without_namespaces_all_processes_are_ended_too(tmp_path):
     print(start.missing)
     text = {OUTLIVES + RIGHT!r}.replace("OUTSIDE", {str(tmp_path)!r}).encode()
     print(worker.judge(check_to_local, "01_to_local.py", text, start)[0])
+    text = {"print('unfinished', end='')" + chr(10) + RIGHT!r}.encode()
+    print(worker.judge(check_to_local, "01_to_local.py", text, start)[1])
     """
     run = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True, timeout=100
     )
     assert "can reach the network and write files" in run.stdout
     assert "to_local: passed" in run.stdout
+    assert "unfinished" in run.stdout
     time.sleep(2.5)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_where_nothing_can_be_forked_each_answer_starts_anew(tmp_path):
+def test_where_nothing_can_be_forked_each_answer_starts_anew(tmp_path, monkeypatch):
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)  # or nothing printed is ever held back
     start, missing = spawning(tmp_path)
     assert "slower" in missing
     check = {check.name: check for check in all_checks()}["to_local"]
-    result, printed = judge(check, "01_to_local.py", f"print(1)\n{RIGHT}".encode(), start)
+    result, printed = judge(check, "01_to_local.py", f"print(1, end='')\n{RIGHT}".encode(), start)
     assert result.status == "passed", result
-    assert printed.strip() == "1"
+    assert printed == "1"
     assert list(tmp_path.iterdir()) == []
 
 

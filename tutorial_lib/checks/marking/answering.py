@@ -40,6 +40,7 @@ class _Answer:
 
     def serve(self) -> None:
         """Do what the check asks for, until it asks no more."""
+        printing = sys.stdout
         while True:
             what, arguments, named = FromCheck(self.connection.recv_bytes(), self.ask).load()
             try:
@@ -53,6 +54,8 @@ class _Answer:
             except BaseException as error:
                 key = getattr(error, "key", None)
                 message = to_check(("raised", *error_parts(error), place(error), key))
+            with suppress(ValueError, OSError):  # the answer may have closed it
+                printing.flush()  # it is killed once it is judged
             self.connection.send_bytes(message)
 
     def load(self, file: str, text: bytes, name: str) -> list[str]:
