@@ -892,7 +892,7 @@ arrives = [bool((states[:, robot] == State.DONE).any()) for robot in DISTURBED]
 five = Prediction(
     "04",
     "five",
-    "On your code, which of these four get to the end by themselves?",
+    "Running your code, which of these four get to the end by themselves?",
     {
         "A": "all but the carried one",
         "B": "the pushed and the turned one",
