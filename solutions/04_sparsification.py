@@ -1,11 +1,11 @@
 # %% [markdown]
 # # 04 · Sparsification
 #
-# **Forty images, keep six.** Your robot won't make it to the photo on the fridge in one go: it said so itself yesterday. In many short hops it could. So you drove it there once, by hand, and it took images all the way. Here are 40 of them.
+# **Forty images, keep six.** Your robot won't reach the place on the fridge photo in one go: it said so itself yesterday. In many short hops it could. So you drove it there once, by hand, and it took images all the way. Here are 40 of them.
 #
-# Now it has to drive alone, from image to image, without a floor plan or its own position. *Which six would you keep?*
+# Now it has to drive alone, from image to image, with no floor plan and no idea where it is. *Which six would you keep?*
 #
-# By the end your code chooses the images, follows them, and says so when it's lost. It follows this one drive, though, and no other.
+# By the end your code will choose the images, and your robot will follow them and say so when it's lost. It'll know only this drive, though.
 
 # %% hidden=true
 # The drive to the photo on the fridge, and three choices of six (about 20 s)
@@ -128,19 +128,20 @@ def six_plans(told):
 six = Prediction(
     "04",
     "six",
-    "The robot keeps six images, each with a second and a half before and after it. Which six get "
-    "it there?",
+    "The robot keeps six images, each with ten more from the second and a half before and after. "
+    "Which six get it there?",
     {
         "A": "one about every 3.5 m",
-        "B": "one before each door, others between",
+        "B": "one before each door, the others in between",
         "C": "a long gap first",
     },
     right="B",
     robot=f"with A it covers {six_metres[0]:.0f} of {arc[-1]:.0f} m, with B {six_metres[1]:.0f}, "
-    f"with C {six_metres[2]:.0f}. Where its track is vermilion, the robot no longer sees the image that it drives to.",
+    f"with C {six_metres[2]:.0f}. Where its "
+    "track is vermilion, it no longer sees what its next image shows.",
     tempting="A",
-    because="no gap is long. But 9 looks across the living room, and 18 lies behind the door. Just "
-    "before a door, an image shows what's behind it.",
+    because="no gap is long. But 9 looks across the living room, and 18 lies beyond the door. An "
+    "image taken just before a door shows what's beyond it.",
     before=stacked([contact_sheet(), six_plans(False)]),
     after=stacked([contact_sheet(), six_plans(True)]),
 )
@@ -165,18 +166,18 @@ display(six)
 #
 # Six images will do if the controller gets from each one to the next. The images that stay are called **[[anchor]]s**. Whatever the controller doesn't need may go.
 #
-# Say image $i$ is an anchor. $\mathcal{RE}(o_i, o_k)$ is the probability that the controller gets from what it sees at $i$ to the place of $k$. The next anchor is the last image up to which **all** these probabilities stay high (paper, III-D):
+# Say image $i$ is an anchor. $\mathcal{RE}(o_i, o_k)$ predicts the probability that the controller gets from image $i$ to the place of image $k$. The next anchor is the last image up to which **all** these probabilities stay high (paper, III-D):
 #
 # $$ \max_j \quad \text{s.t.}\quad \mathcal{RE}(o_i, o_k) > p_\text{sparsify} \quad \forall k,\; i < k \le j . $$
 #
-# Go on from there. The first and the last image always stay. If not even image $i+1$ is above the threshold, it's the next anchor anyway, since the path must go on.
+# Repeat from there. The first and the last image always stay. If RE isn't above the threshold even for image $i+1$, that's the next anchor anyway: the path must go on.
 
 # %% hidden=true
 # A drive of eight images
 pencil = Prediction(
     "04",
     "pencil",
-    "RE from each image (row) to each (column), green above 0.9. Which images stay?",
+    "RE from each image (row) to the later ones (columns), green above 0.9. Which images stay?",
     {"A": "0, 5, 7", "B": "0, 3, 5, 7", "C": "0, 3, 5, 6, 7"},
     right="C",
     robot=f"from 0 it gets to 3, since 4 is red ({BY_HAND[0, 4]:.2f}); from 3 to 5; from 5 not even "
@@ -193,7 +194,7 @@ display(pencil)
 # %% [markdown]
 # ### Exercise 1 · `choose_anchors` (medium, 12 minutes)
 #
-# Code and checks call a recorded image a *frame*; that has nothing to do with coordinates.
+# The code and the checks call a recorded image a *frame*; that has nothing to do with coordinates.
 #
 # <details><summary>Hint 1: concept</summary>Walk along the trajectory with two fingers. The left one stays on the anchor i; the right one moves ahead as long as the next frame is reachable from the left one. Once it stops, the left one catches up.</details>
 # <details><summary>Hint 2: approach</summary>Use two loops. The outer one runs while the last anchor is not the last frame. The inner one starts with j = i and increases j by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
@@ -235,7 +236,7 @@ show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 # %% [markdown]
 # ## 2 · The whole drive
 #
-# Now the drive itself, at ten images a second. From each image the network with $k = 2$ predicts RE to the next 60, spanning four metres or more. The first slider moves the threshold, the second picks an anchor. Watch where its curve first dips below the line.
+# Now take the drive itself, at ten images a second. From each image, the network with $k = 2$ gives RE to the next 60, spanning four metres or more. The first slider moves the threshold, the second picks an anchor. Watch where its curve first dips below the line.
 
 # %% hidden=true
 # RE from each image to the next 60, and two sliders (about 5 s)
@@ -289,12 +290,12 @@ sliders(
 )
 
 # %% [markdown]
-# For a metre or two RE is nearly sure. It then wavers around the line, so *all* values must lie above it. Then it sinks: the anchor's image doesn't show what lies there. So the drive needs few of its images.
+# For a metre or two RE stays close to 1, so the drive needs few of its images. Then it wavers around the line: that's why *all* values must lie above it. Then it sinks: the anchor's image doesn't show what lies that far ahead.
 #
 # Your robot **builds at 0.99**. That's the first of three thresholds worth knowing by heart.
 #
-# <details><summary>Now and then a higher threshold needs one anchor fewer. How come?</summary>
-# The rule is greedy. An anchor that stands a little earlier may see farther.
+# <details><summary>Now and then a higher threshold needs one fewer anchor. How come?</summary>
+# The rule is greedy. From an anchor a little earlier, the robot may see farther.
 # </details>
 #
 # How far would the rule get from *every* image, and what stops it? Two suspects are drawn: the nearest wall and the car's turning. Watch where the blue curve falls.
@@ -331,18 +332,18 @@ figure.legend(loc="outside upper center", ncols=4, fontsize=11, frameon=False)
 show(from_figure(figure))
 
 # %% [markdown]
-# Where the curve falls by one metre per metre, the run ends at the *same* image wherever it begins: something there can't be seen from farther back. Past it the view opens, and the curve jumps up. The small teeth are noise: one RE just below the line ends a run. Here turning shortens the run a little, and the wall hardly does.
+# Where the curve falls by one metre per metre, the rule stops at the *same* image wherever it starts: something there can't be seen from farther back. Past it the view opens, and the curve jumps up. The small teeth are noise: one RE just below the line is enough to stop it. Here turning shortens its reach a little, and walls hardly do.
 #
 # ## 3 · What they cost
 #
 # "How few" can mean two things:
 #
-# - **[[sparsity]]**: anchors / images. It says how many images are *compared*, and how large a map becomes.
-# - **stored**: an anchor $\hat o_i$ brings its [[context]], the images $i - k\Delta T, \dots, i, \dots, i + k\Delta T$ with $\Delta T = 3$. Anchors close together share some of them.
+# - **[[sparsity]]**: anchors / images. It sets how many images are *compared*, and how large a map becomes.
+# - **stored**: an anchor $\hat o_i$ comes with its [[context]], the images $i - k\Delta T, \dots, i, \dots, i + k\Delta T$ with $\Delta T = 3$. Anchors close together share some of them.
 #
 # ### Exercise 2 · `frames_to_keep` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>List the context of each anchor, join the lists, and count each frame once. Beyond an end of the trajectory there is nothing to store: there the context repeats the first or last frame.</details>
+# <details><summary>Hint 1: concept</summary>List the context of each anchor, join the lists, and count each frame once. Beyond an end of the trajectory, the context repeats the first or last frame.</details>
 # <details><summary>Hint 2: approach</summary>With 3 * np.arange(-k, k + 1) as offsets, anchors[:, None] + offsets is an (A, 2k + 1) table of frames. np.clip moves those beyond an end to the end.</details>
 # <details><summary>Hint 3: one line</summary>The distinct last digits of all sums from two lists would be <code>np.unique((a[:, None] + b) % 10)</code>. What takes the place of a, b, and the remainder?</details>
 
@@ -351,8 +352,8 @@ show(from_figure(figure))
 def frames_to_keep(anchors, total, k):
     """The frames to store for a trajectory's anchors with their contexts.
 
-    anchors: array (A,) of their indices, rising; any frames, also without the
-    first and the last. total: frames of the whole trajectory, 0 to total - 1.
+    anchors: array (A,) of their indices, increasing; the first and the
+    last frame need not be among them. total: frames of the whole trajectory, 0 to total - 1.
     k: frames of context on either side, 3 apart, 0 or more. A context that
     reaches beyond an end repeats the frame there.
     Returns the indices of the frames, whole numbers, each once and in any
@@ -368,7 +369,7 @@ def frames_to_keep(anchors, total, k):
 frames_to_keep = check_frames_to_keep.use(frames_to_keep)
 
 # %% [markdown]
-# More context lets the controller see farther. Watch the last two columns: do fewer anchors mean fewer stored images?
+# More context lets the controller get farther. Watch the last two columns: do fewer anchors mean fewer stored images?
 
 # %% hidden=true
 # Anchors and stored images by four controllers (about 10 s)
@@ -391,12 +392,12 @@ titles = [f"{name}: {len(chosen[c])}" for c, name in CONTEXTS.items()]
 show(side_by_side(panels, titles, gap=6))
 
 # %% [markdown]
-# With $k = 5$ there are fewer anchors but more images: each anchor brings eleven of them. What's stored costs memory. What's compared costs *time*, at every step, so the number of anchors matters more. The laser has twice the field of view but no colours; in places it keeps image after image.
+# With $k = 5$ there are fewer anchors but more images: each anchor brings eleven of them. What's stored costs memory. What's compared costs *time*, at every step, so the number of anchors matters more. The laser has twice the field of view but no colours; in places it needs anchor after anchor.
 
 # %% [markdown]
 # ## 4 · From image to image
 #
-# Now your robot drives. It gets the anchors $\hat o_1, \dots, \hat o_m$ and nothing else. At each step it may ask two things about an anchor: RE, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I?* The anchor that it drives to is the **active** one. When should it move on?
+# Now your robot drives. It gets the anchors $\hat o_1, \dots, \hat o_m$ and nothing else. At each step it may ask two things about an anchor: RE, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I?* The anchor it's driving to is the **active** one. When should it move on?
 #
 # A colleague's robot moves on only when it stands at the active anchor. Watch its speed.
 
@@ -514,17 +515,17 @@ axis.legend(fontsize=10, loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# If the active anchor is too near, the robot brakes before it moves on. If it's too far, the robot leaves the recorded path, and cuts corners that it has never seen. With `reach[j]` and `overlap[j]` for anchor `j` (0 where not queried), and the thresholds in `rules`, listed in section 11, at each step:
+# If the active anchor is too near, the robot brakes before it moves on. If it's too far, the robot leaves the recorded path, and cuts corners where nobody drove. You're given `reach[j]` and `overlap[j]` for anchor `j` (0 where not queried), and the thresholds in `rules` (section 11). At each step:
 #
-# 1. **Last visited.** Compare the active anchor with those just before and after it, if any. The closest has the largest overlap. It counts as visited if that overlap is above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
-# 2. **Active.** Advance by one, if there is a next one, and
+# 1. **Last visited.** Compare the active anchor with those just before and after it, if any. The closest has the largest overlap, and counts as visited if that's above `rules.visited`. The active anchor also counts as visited if the robot is *at* it: its waypoint is less than `rules.at` away, whatever the heading. The last visited anchor never moves backwards.
+# 2. **Active.** Advance by one if there's a next anchor, and either
 #     - the next one is reachable, its $\mathcal{RE}$ above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
 #     - the robot has visited the active anchor or the next one, in this step or earlier: then it must move on, whatever the next one's $\mathcal{RE}$.
 #
-#     Otherwise it stays.
+#     Otherwise the active anchor stays.
 #
 # <details><summary>Where does this differ from the paper?</summary>
-# There the active anchor becomes <i>last visited + 1</i> where the next one isn't both reachable and near. Taken literally, that falls back to an anchor beside or behind the robot once it has advanced early and then doubts. Here it stays. And the paper leaves open what makes an anchor "visited"; it says "the closest" (III-H).
+# There, if the next anchor isn't both reachable and near, the active one becomes <i>last visited + 1</i>. Taken literally, a robot that advances early and then doubts goes back to an anchor beside or behind it. Here the active anchor stays. And the paper leaves open what makes an anchor "visited"; it only says "the closest" (III-H).
 # </details>
 #
 # ### Exercise 3 · `move_on` (medium, 12 minutes)
@@ -566,7 +567,7 @@ move_on = check_move_on.use(move_on)
 # %% [markdown]
 # ### It can't make up its mind
 #
-# RE of the active anchor isn't always high. The paper's robot trusts an anchor above 0.92; below that it lets go, and drives on by odometry to where it last wanted to go. The blue curve is RE of that robot's anchor; the vermilion one belongs to a robot that somebody carries off after 12 s.
+# RE of the active anchor isn't always high. The paper's robot trusts an anchor whose RE is above 0.92; below that it lets go, and drives on by odometry to its last waypoint. The blue curve is that robot's RE; the vermilion one belongs to a robot that's carried off after 12 s.
 
 
 # %% hidden=true
@@ -607,13 +608,14 @@ def changes_of(robot):
 line = Prediction(
     "04",
     "line",
-    "It trusts above 0.92. Below which second, lower line should it let go?",
+    "It trusts its anchor above 0.92. Where should a second, lower line be, below which it "
+    "lets go?",
     {"A": "at 0.9, just below", "B": "at 0.4", "C": "at 0.05"},
     right="B",
     robot=f"with a single line it lets go {changes_of(ONE)} times though nothing is wrong. With a "
     f"second one at 0.4 it lets go {changes_of(USUAL)} times, and the carried one still does.",
     tempting="C",
-    because="it never lets go without need. But it doesn't let go in the wrong room either.",
+    because="then it never lets go needlessly. But it doesn't let go in the wrong room either.",
     before=trust_chart(ONE, [0.92], f"One line: it lets go {changes_of(ONE)} times"),
     after=trust_chart(USUAL, [0.92, 0.4], f"Two lines: it lets go {changes_of(USUAL)} times", True),
 )
@@ -624,7 +626,7 @@ display(line)
 #
 # ### A person comes
 #
-# Somebody steps into the corridor and blocks the view; RE falls below 0.4. Or the robot has been pushed. Both usually pass. So coast to the last waypoint on odometry, and keep looking: that's **dead reckoning**.
+# Somebody steps into the corridor and blocks the view; RE falls below 0.4. Or somebody pushes the robot. Both usually pass. So coast to the last waypoint on odometry, and keep looking: that's **dead reckoning**.
 #
 # The last waypoint was "1 m ahead and 0.6 m to the left". A colleague's robot keeps these two numbers, and steers by them for twelve seconds.
 
@@ -669,8 +671,8 @@ carrot = Prediction(
     robot="it chases a carrot on a stick: the waypoint moves with it, always 1 m ahead and 0.6 m to "
     "the left, until something is in the way.",
     tempting="A",
-    because="that's what it does while it sees its anchor, since it gets a new waypoint ten times a "
-    "second. The bug shows only when the anchor is out of sight.",
+    because="it would if it saw its anchor, since it would get a new waypoint ten times a second. "
+    "The bug shows only when the anchor is out of sight.",
     before=side_by_side([waypoint_picture(0, False)], height=300),
     after=side_by_side(
         [waypoint_picture(robot, True) for robot in range(2)],
@@ -681,11 +683,11 @@ carrot = Prediction(
 display(carrot)
 
 # %% [markdown]
-# So keep the waypoint as a *place*, in the [[odometry]]'s own frame, which doesn't move with the robot: `to_world(odometry, waypoint)`. To drive there, express it in the robot's current frame: `to_local(odometry, place)`. The place only has to last for seconds; the odometer "needs not be very accurate" (III-H).
+# So keep the waypoint as a *place*, in the [[odometry]]'s own frame, which doesn't move with the robot: `to_world(odometry, waypoint)`. To drive there, express it in the robot's current frame: `to_local(odometry, place)`. The place only has to hold for seconds, so the odometer needn't be very accurate (III-H).
 #
 # ### Somebody carries it off
 #
-# They pick your robot up and put it down in another room. It lets go of its anchor at once, coasts to its last waypoint, which now means nothing, and keeps looking. Watch for how long.
+# Somebody picks your robot up and puts it down in another room. It lets go of its anchor at once, coasts to its last waypoint, which now means nothing, and keeps looking. Watch for how long.
 
 # %% hidden=true
 # Carried off, without a limit
@@ -702,23 +704,23 @@ words = f"{len(after) * STEP:.0f} s later: it's still waiting"
 show(side_by_side([plan, near], ["blue: carried off; black: put down", words], gap=10))
 
 # %% [markdown]
-# It would wait for ever. A car that isn't back on its path after 4 s of dead reckoning never will be. Then it's **lost**: it stops, and says so. That's an answer, too, and a better one than guessing. The same holds for a robot that sees its anchor and comes no nearer for 5 s: something unseen is in its way.
+# It would wait for ever. So a car that isn't back on its path after 4 s of dead reckoning counts as **lost**: it stops, and says so. That's an answer, too, and better than guessing. A robot that sees its anchor but comes no nearer for 5 s is lost, too: something unseen is in its way.
 #
 # ### The whole machine
 #
-# Here's what those films add up to. *Search*, *Follow* and *Dead reckoning* are the paper's (III-H); *Lost* and *Done* are ours. The loop adds an arrow from Follow to Lost, for those 5 s.
+# Here's what those films add up to. *Search*, *Follow* and *Dead reckoning* are the paper's (III-H); *Lost* and *Done* are ours. Your loop adds an arrow from Follow to Lost, for those 5 s.
 
 # %%
 show(follower_machine())
 
 # %% [markdown]
-# Write it as a function without memory: the old state and what's seen go in, the new state comes out.
+# Write this machine as a function without memory: the old state and what's seen go in, the new state comes out.
 #
 # - **Search:** if the best anchor's $\mathcal{RE}$ is above `rules.p_search`, that anchor becomes active and the robot follows it; the last visited anchor is the one before, or −1 if there's none. Otherwise the robot is lost.
 # - **Follow:** if the active anchor is the last one and the robot is there (`at`), it's done; a high overlap isn't enough. Otherwise `move_on` decides. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following; otherwise it switches to dead reckoning.
 # - **Dead reckoning:** the robot goes back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise it's lost after *more* than `rules.timeout` seconds. The active anchor stays.
 #
-# A robot that becomes lost or done keeps the active and visited anchors that went in.
+# A robot that becomes lost or done keeps its old active and visited anchors.
 #
 # ### Exercise 4 · `transition` (medium, 12 minutes)
 #
@@ -761,13 +763,13 @@ transition = check_transition.use(transition)
 # %% [markdown]
 # ### The loop
 #
-# Now write one step of the loop that drives the robot, ten times a second. Between two steps it remembers six things in a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`, in Search, with both anchors −1.
+# Now write one step of the loop that drives the robot, ten times a second. Between two steps the robot remembers six things in a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance so far to the active anchor's waypoint. The memory begins as `Memory()`, in Search, with both anchors −1.
 #
-# Each step observes (given), and then:
+# Each step observes (that's given), and then:
 #
-# 1. **At the anchor?** `at`: the waypoint of the active anchor is less than `rules.at` away, *and* its $\mathcal{RE}$ is above `rules.p_lose`; below that the waypoint means nothing.
+# 1. **At the anchor?** `at`: the waypoint of the active anchor is less than `rules.at` away, *and* the anchor's $\mathcal{RE}$ is above `rules.p_lose`; below that the waypoint means nothing.
 # 2. **The next state** comes from `transition`, given `waited`. A robot that's lost or done stops: the step returns `None` in place of a point to drive to, and its `place`, `waited` and `nearest` no longer matter.
-# 3. **The place:** the waypoint of the (new) active anchor is taken if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
+# 3. **The place:** the waypoint of the (new) active anchor becomes the place if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
 # 4. **The point** to drive to is the place, in the robot's current frame.
 # 5. **Progress** is made if the state or the active anchor has changed in this step; or if the new state is Follow, and the point is nearer than `nearest` by more than 0.05 m. With progress, `waited` becomes 0, and `nearest` the distance to the point. Without it, `waited` grows by 0.1 s, and `nearest` stays.
 # 6. **Giving up:** a robot in Follow that has waited for more than `rules.effort` seconds is lost, too, and the step returns `None`.
@@ -890,7 +892,7 @@ arrives = [bool((states[:, robot] == State.DONE).any()) for robot in DISTURBED]
 five = Prediction(
     "04",
     "five",
-    "On your code, which of these four get to the end by themselves?",
+    "Running your code, which of these four get to the end by themselves?",
     {
         "A": "all but the carried one",
         "B": "the pushed and the turned one",
@@ -900,8 +902,9 @@ five = Prediction(
     robot=f"{sum(arrives)} of the four arrive. The carried one knows that it's lost "
     f"{(np.argmax(states[:, AWAY] == State.LOST) - WHEN) * STEP:.0f} s after it was put down.",
     tempting="B",
-    because="the person hides what the robot looks for. That lasts only seconds at a time, and "
-    "meanwhile it coasts. The pushed one isn't told of the push; it still sees its anchor.",
+    because="the person hides what the robot is looking for. But that lasts only seconds at a "
+    "time, and meanwhile the robot coasts. The pushed one never notices the push, but "
+    "still sees its anchor.",
     before=side_by_side(halves, gap=24),
     after=strips(DISTURBED, range(5)),
 )
@@ -917,9 +920,9 @@ for robot in range(5):
 show(stacked([*ribbons, state_legend(900)], [*NAMES, ""], gap=2))
 
 # %% [markdown]
-# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S-curve. Behind a *person* the robot coasts, and goes on once it sees enough. If the person stayed longer than the timeout, the robot would give up, though it's on the right path. In notebook 06 a planner tries again. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
+# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S-curve. Behind a *person* the robot coasts, and follows again once it sees enough. If the person stayed longer than the timeout, the robot would give up, though it's on the right path. In notebook 06 a planner will try again. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
 #
-# Five robots are anecdotes. The [results page](../tutorial_lib/results/README.md#disturbances) covers more, in twenty buildings that no network has seen.
+# Five robots are anecdotes. The [results page](../tutorial_lib/results/README.md#disturbances) covers many more, in twenty buildings that no network has seen.
 #
 # Wheels slip, too. Here speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$, ten times a second.
 
@@ -942,7 +945,7 @@ show(stacked([picture], ["Dark blue without noise, pale with it"]))
 #
 # ## 6 · At most twelve images
 #
-# **Second sitting, and an open task.** This robot keeps no context, $k = 0$: twelve images, and not one more. You choose them. Sixteen robots follow them on slipping wheels, and each is shoved twice, by up to 0.3 m and 20°. The score is the **share of the drive they follow, in percent, minus 3 for each image**. All the way with twelve images scores 64. Fewer could score more, until a hop is too long.
+# **Second sitting, and an open task.** Now your robot keeps no context, $k = 0$: at most twelve images, and nothing else. You choose them. Sixteen robots follow them on slipping wheels, and each is shoved twice, by up to 0.3 m and 20°. The score is the **share of the drive they follow, in percent, minus 3 for each image**. The whole drive on twelve images scores 64. Fewer could score more, until a hop is too long.
 #
 # `reach` is RE from each image of the drive to the next 60, now from the network with $k = 0$. `poses` says where each was taken; the robots won't know. There's more than one good choice.
 
@@ -951,7 +954,7 @@ NAME = "my images"  # in the league table
 
 
 def my_images(reach, poses):
-    """At most twelve images, their indices; the first and the last always count."""
+    """The indices of at most twelve images; the first and the last always count."""
     # Your decisions: how many of the twelve? And where: by RE, by the place, by eye?
     return np.linspace(0, len(reach) - 1, 12).round().astype(int)
 
@@ -1014,12 +1017,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
-# <i>Nine, evenly spaced</i>: <code>np.linspace(0, len(reach) - 1, 9).round().astype(int)</code>. It needs no network; no hop is longer than 2.3 m, and this drive is nearly straight. With eight, some robots get lost. <i>Nine that RE trusts.</i> It's the chain of nine images with the largest product of REs, found like a shortest path, with no hop longer than 2.6 m. Without that limit the chain takes a hop of more than 4 m down the corridor, since RE says 0.94 there, and shoved robots don't make it: the best of many is often just lucky.
+# <i>Nine, evenly spaced</i>: <code>np.linspace(0, len(reach) - 1, 9).round().astype(int)</code>. It needs no network, and no hop is longer than 2.3 m. With eight, some robots get lost. <i>Nine that RE trusts.</i> It's the chain of nine images with the largest product of REs, found like a shortest path, with no hop longer than 2.6 m. Without that limit the chain takes a hop of more than 4 m down the corridor, since RE is 0.94 there, and shoved robots don't make it: the highest RE of many is often just lucky.
 # </details>
 #
 # ## 7 · How few will do?
 #
-# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres followed before the robot strays, touches something or gives up, over the total. The paper's rival **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's our twin of the paper's Fig. 7. Solid lines, *meng*: RE chooses. Dashed, *sptm*: every n-th image. Watch the left ends.
+# That was one drive. The paper follows hundreds, with anchors at thresholds from 0.90 to 0.99. What's measured is the **[[cover rate]]**: the metres followed before the robot strays, touches something or gives up, divided by the total. The paper's baseline **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018) keeps *every n-th image*, and drives with the same controller and follower. Here's our twin of the paper's Fig. 7. Solid lines, *meng*: RE chooses. Dashed, *sptm*: every n-th image. Watch the left ends.
 
 # %% hidden=true
 # Cover rate against sparsity, from a stored run
@@ -1109,7 +1112,7 @@ rows = [[name, metres_of(one).sum() / lengths.sum()] for name, one in results.it
 table({"": "", "cover rate": ".1%"}, rows)
 
 # %% [markdown]
-# The oracle shows that the *car* can cover nearly every metre, so the body isn't what holds the others back. Here's the drive on which yours and the library's [follower](../tutorial_lib/topology/following/follower.py) differ most.
+# The oracle shows that the *car* can cover nearly every metre, so it isn't what holds the others back. Here's the drive on which yours and the library's [follower](../tutorial_lib/topology/following/follower.py) differ most.
 
 # %% hidden=true
 # The drive on which the two differ most
@@ -1132,7 +1135,7 @@ show(stacked([side_by_side(panels, titles, height=min(520, len(panels[0]))), sta
 
 # %% [markdown]
 # <details><summary>What does the library's follower have that yours doesn't?</summary>
-# More memory; all of this is ours, not the paper's. It <i>confirms</i>: it's back on its path, or has arrived, only if five steps in a row say so. It <i>tries again</i>: at the end of dead reckoning it drives to a new waypoint, as long as RE of the active anchor is above p_try, 0.2. It <i>searches for the heading</i>: at an anchor with little overlap, it turns to one side as long as the overlap grows. It <i>doubts</i>: driving changes a view little by little, a kidnapping at once; where RE falls by more than 0.2 within a step, it must recover within rules.timeout, or it's lost. After rules.effort seconds without coming nearer it counts the anchor as visited; yours is lost at once. And it <i>turns</i> where a map says that the path goes on elsewhere.
+# More memory; all of this is ours, not the paper's. It <i>confirms</i>: it's back on its path, or has arrived, only if five steps in a row say so. It <i>tries again</i>: at the end of dead reckoning it drives to a new waypoint, as long as RE of the active anchor is above p_try, 0.2. It <i>searches for the heading</i>: at an anchor with little overlap, it turns to one side as long as the overlap grows. It <i>doubts</i>: driving changes a view little by little, a kidnapping all at once; where RE falls by more than 0.2 within a step, RE must recover within rules.timeout, or the robot is lost. After rules.effort seconds without coming nearer it counts the anchor as visited; yours gives up. And it <i>turns</i> where a map says that the path goes on in another direction.
 # </details>
 #
 # ## 9 · A detective story
@@ -1167,7 +1170,7 @@ early = (metres[~covered_whole] < 3.0).sum()
 print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 
 # %% [markdown]
-# A few failures prove little, and the suspects turn up together on the same drives. The last line is the clue: most failures come where drives *begin*. There the recorded car goes back and forth, to turn round in a room. Why should that be hard? Here are four crime scenes. The robot stands where it set off for its last anchor, the vermilion arrowhead.
+# A few failures prove little, and the suspects turn up on the same drives. The last line is the clue: most failures come where drives *begin*. There the recorded car goes back and forth, to turn round in a room. Why should that be hard? Here are four crime scenes. The robot stands where it set off for its last anchor, the vermilion arrowhead.
 
 
 # %% hidden=true
@@ -1228,7 +1231,7 @@ from_robot, from_anchor = np.mean([row[3:] for row in log_rows], axis=0)
 cause = Prediction(
     "04",
     "cause",
-    "In at least two of these four: why doesn't it get to the vermilion anchor?",
+    "In at least two of these four, why doesn't the robot get to the vermilion anchor?",
     {
         "A": "the anchors are too far apart",
         "B": "it's at the right place, with the wrong heading",
@@ -1238,8 +1241,8 @@ cause = Prediction(
     robot=f"from the anchor it had passed, RE to the next is {from_anchor:.2f} on average; from "
     f"where it stood, {from_robot:.2f}.",
     tempting="A",
-    because="the vermilion arrowhead is far away. But from the anchor's own image it can be "
-    "reached, or that image wouldn't have been an anchor.",
+    because="the vermilion arrowhead is far away. But it can be reached from the image of the "
+    "anchor before, or it wouldn't have become the next one.",
     before=stacked([side_by_side(row, gap=14) for row in rows], gap=10),
 )
 display(cause)
@@ -1274,13 +1277,13 @@ rows = [
 table({"": "", "cover rate": ".1%"}, rows)
 
 # %% [markdown]
-# Case closed. A chain of anchors silently assumes that a robot which has reached one of them stands there *as the recorded car did*. Where the car drives forwards, it does. In a manoeuvre it doesn't.
+# Case closed. A chain of anchors silently assumes that a robot that has reached one of them stands there *as the recorded car did*. Where the car drove forwards, the robot does. In a manoeuvre it doesn't.
 #
 # Note what this means for Fig. 7: its drives begin 2 m in, too. An experiment that leaves out the beginnings answers another question, *how well are anchors followed under way?*, and gives a better number. That's fine as long as you say so.
 #
 # ## 10 · Corners, or narrow places?
 #
-# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the least clearance and the turning over the next metre. Vermilion dots are from the first two metres.
+# Where are anchors dense? The paper names "tight spaces and corners" in one breath (IV-A). For each anchor of the 24 drives, here's the distance to the next one, against the least clearance and the turning over the next metre. Vermilion dots are from each drive's first two metres.
 
 
 # %% hidden=true
@@ -1321,7 +1324,7 @@ display(table(head, [["over the next metre", *correlations["over the next metre"
 show(from_figure(figure))
 
 # %% [markdown]
-# Black lines are means over quarters of the points. Twenty-four drives show little, and hardly anything without the first two metres. [Twenty buildings](../tutorial_lib/results/README.md#fig-5-placement-of-anchors) show it for every controller: anchors are a little denser where the path is tight or bends, and neither cause beats the other. What makes a place hard is that the *view changes fast*, and these are two of the reasons.
+# Black lines are means over quarters of the points. Twenty-four drives show little, and hardly anything without the first two metres. [Twenty buildings](../tutorial_lib/results/README.md#fig-5-placement-of-anchors) show more, for every controller: anchors are a little denser where the path is tight or bends, and neither cause beats the other. What makes a place hard is that the *view changes fast*, and these are two of the reasons.
 #
 # ### Find the bug
 #
@@ -1333,7 +1336,7 @@ table(head, [["over the whole gap", *correlations["over the whole gap"]]])
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# A longer gap holds more turning simply because it's longer, and it passes more narrow places, too. Summed over the gap, turning grows with the gap, and that hides the real effect. More data wouldn't help: it's the wrong question. What's measured about a place mustn't depend on how far the robot got from there; so measure the same metre everywhere.
+# A longer gap holds more turning because it's longer, and it passes more narrow places, too. Summed over the gap, turning grows with the gap, and that hides the real effect. More data wouldn't help: it's the wrong question. What's measured about a place mustn't depend on how far the robot got from there; so measure over one metre everywhere.
 # </details>
 #
 # ## 11 · Good night, robot
@@ -1355,7 +1358,7 @@ rows = [
 table({"rules.": "", "value": "g", "of what": ""}, rows)
 
 # %% [markdown]
-# **Close the notebook and draw the pipeline**, with your function names: from one drive to a robot that stands in the bathroom.
+# **Close the notebook and draw the pipeline**, with your function names: from one drive to a robot in the bathroom.
 #
 # After this notebook you can
 #
@@ -1383,4 +1386,4 @@ for place, log in zip("CD", parked_states.T, strict=True):
 show(stacked([picture], ["Grey: the drive that it knows"]))
 
 # %% [markdown]
-# It knows one drive, which passes neither C nor D. Others have driven from both, though, and each drive left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.
+# It knows one drive, which passes neither C nor D. Other drives begin there, though, and each left a strip of images. In notebook 05 twelve drives become one map. The paper's III-E and III-F are good reading until then.

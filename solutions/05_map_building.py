@@ -5,7 +5,7 @@
 #
 # With the floor plan it's easy. Your robot has only two strips of photos. *Where should it change from one to the other?*
 #
-# By the end, twelve drives will have become one map, built by your code. It'll hold trips that nobody made. And on a field trip it'll lie to you.
+# By the end, twelve drives will have become one map, built by your code. It'll hold trips that nobody made. And on a field trip, a map like it will lie to you.
 
 # %% hidden=true
 # The flat, and two of its drives (about 10 s)
@@ -200,10 +200,10 @@ display(trip)
 # **Three old questions first.**
 #
 # <details><summary>Notebook 04: image 5 can be reached from the anchor at 0, but image 4 can't. Is 5 the next anchor?</summary>
-# No. Every image up to the next anchor must be reachable, so the next anchor is 3.
+# No. Every image up to the next anchor must be reachable, so the next anchor is 3 at the latest.
 # </details>
 # <details><summary>Notebook 04: how does a follower know that it's lost?</summary>
-# It hasn't seen its anchor for too long. Then it stops and says so; guessing would be worse.
+# Its anchor has been out of sight for too long. Then it stops and says so; guessing would be worse.
 # </details>
 # <details><summary>Notebook 03: RE predicts 0.9 for a hundred pairs. How many robots should arrive?</summary>
 # About ninety. If only sixty do, RE is sure and wrong, and a planner that trusts it goes through walls.
@@ -211,13 +211,13 @@ display(trip)
 #
 # ## 1 · One graph
 #
-# Follow one drive's anchors, and you get to that drive's end. Change drives, and you get further. The anchors of all drives become one **directed graph**, a [[topological map]]:
+# Follow one drive's anchors, and you get to that drive's end. Change drives, and you get to other ends. The anchors of all drives become one **directed graph**, a [[topological map]]:
 #
-# - a **[[vertex]]** is an anchor $\hat o_i$: its images, no position, no heading;
+# - a **[[vertex]]** is an anchor $\hat o_i$: its images, without position or heading;
 # - an **[[edge]]** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from the first to the second;
 # - its **weight** is $w(\hat o_i, \hat o_j) = -\log \mathcal{RE}(\hat o_i, \hat o_j)$.
 #
-# Here are two tiny drives, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, with RE from each anchor (row) to every anchor (column). Framed cells are steps of a drive. A pair becomes an edge if $\mathcal{RE} > p_\text{edge}$; the others are **pruned**. Driven steps always stay, since the car really drove them. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
+# Here are two tiny drives, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, with RE from each anchor (row) to every anchor (column). Framed cells are steps of a drive. A pair becomes an edge if $\mathcal{RE} > p_\text{edge}$; the others are **pruned**. Driven steps always stay, since the car drove them. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
 
 # %%
 show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
@@ -359,7 +359,7 @@ display(one_way)
 # %% [markdown]
 # ### Two drives from one place
 #
-# Two drives start at A and part later. The second drive is dark. Left: **all** edges. Right: pruned at $p_\text{edge} = 0.99$ by your `edge_weights`.
+# Two drives start at A and part later. The second is dark. Left: **all** edges. Right: pruned at $p_\text{edge} = 0.99$ by your `edge_weights`.
 
 # %% hidden=true
 # All edges of two drives, and those that are left
@@ -411,7 +411,7 @@ show(side_by_side(panels, titles))
 #
 # Then $\hat o_i$ is dropped, and the drive's path goes $\hat o_{i-1} \to \hat o \to \hat o_{i+1}$. Note what the rule does *not* ask: whether $\hat o$ **looks like** $\hat o_i$, or was taken nearby. Remember that.
 #
-# If several vertices qualify, take the one with the largest product of both REs. The first anchor is its own predecessor, and the last its own successor.
+# If several vertices qualify, take the one with the largest product of the two REs. The first anchor is its own predecessor, and the last its own successor.
 #
 # ### Exercise 2 · `reusable` (easy, 8 minutes)
 #
@@ -501,7 +501,7 @@ ahead_of = check_ahead_of.use(ahead_of)
 #
 # `own` holds the anchors of the new trajectory, in order. Four steps:
 #
-# 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the last vertex of the path so far: if the previous anchor was replaced, the robot stands on its replacement. *Onward* is RE to the next anchor, `own[i + 1]`, whatever becomes of it. At either end, take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
+# 1. **Reuse.** Go through the anchors in order and build the new path, one vertex for each anchor. *Into* is RE from the last vertex of the path so far: if the previous anchor was replaced, the robot stands at its replacement. *Onward* is RE to the next anchor, `own[i + 1]`, whatever becomes of it. At either end, take the anchor itself. Your `ahead_of` says which vertices are allowed, and your `reusable` chooses among the vertices that were on the map before this trajectory. An anchor without a replacement stays on the path.
 # 2. **Add** each anchor that stays to the vertices, with its `trajectory` (the number of paths so far), its `place` (its index along `own`), and the vertices `before` and `after` it on the new path.
 # 3. **Join** each new vertex with every other vertex, old or new, in both directions: `edge_reach` is the pair's entry in `scores`. Until section 5, `scores` is `reach`. Nothing is pruned here: `edge_weights` does that later.
 # 4. **Follow.** Each step from vertex to vertex of the new path is `driven`, and its `edge_reach` is at least the `reach` of the step. Append the path to `paths`.
@@ -513,7 +513,7 @@ ahead_of = check_ahead_of.use(ahead_of)
 
 # %% exercise="insert"
 def insert(grown, own, scores, p_reuse):
-    """Insert a trajectory into a map, which changes.
+    """Insert a trajectory into a map, in place.
 
     grown: a SmallMap, see above. own: (A,) array, the anchors of the
     trajectory in order, A > 1.
@@ -607,18 +607,18 @@ twins = Prediction(
     "Dark: the second drive. Which of its anchors will your insert drop?",
     {"A": "every second one", "B": "the first ones", "C": "the last ones"},
     right="B",
-    robot=f"it drops {sum(replaced)} of {len(second)}, all before the fork. The last ones before it "
-    f"stay, since their next anchor lies beyond it. {titles[0]} become {titles[1]}.",
+    robot=f"it drops {sum(replaced)} of {len(second)}, all before the fork. The last ones there "
+    f"stay, since their next anchor lies beyond the fork. {titles[0]} become {titles[1]}.",
     tempting="A",
     because="notebook 04 thinned drives out. But here an anchor goes because another drive's "
-    "image does its job, and beyond the fork there's none.",
+    "image does its job, and beyond the fork no image does.",
     before=panels[0],
     after=side_by_side(panels, titles),
 )
 display(twins)
 
 # %% [markdown]
-# No path is lost: a robot that could follow the second drive still can, via other images. Now step through it. Green dots mark vertices that qualify, the amber line is the new path so far, and the photos show the anchor and its replacement. Try $p_\text{reuse} = 0.9$ and 0.998 where the drives part.
+# No path is lost: a robot that could follow the second drive still can, via other images. Now step through the insertion. Green dots mark vertices that qualify, the amber line is the new path so far, and the photos show the anchor and its replacement. Try $p_\text{reuse} = 0.9$ and 0.998 where the drives part.
 
 # %% hidden=true
 # The insertion of the second drive, step by step
@@ -730,7 +730,7 @@ table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 # There they are, the trips that nobody made. Joined, the drives hold every path, though only twelve were driven. Reuse keeps them all with far fewer vertices, and then driven steps alone are enough.
 #
 # <details><summary>Your robot arrives at A. Why can't it go on to B on this map?</summary>
-# A drive to A ends facing into the room, and none begins there with that heading: nobody showed the robot how to turn round. A map can't hold what was never driven.
+# A drive to A ends facing into the room, and none begins there with that heading: nobody showed the robot how to turn round. A map can't hold a turn that was never driven.
 # </details>
 #
 # The library's agent closes such gaps with its laser: where two scans match, it adds a **[[turn edge]]**, driven as a three-point turn. Your map has none.
@@ -804,21 +804,21 @@ apart = Prediction(
     "How far apart were these two photos taken?",
     {"A": "less than 1 m", "B": "about 3 m", "C": "more than 5 m"},
     right="C",
-    robot=f"it gives RE {probability:.3f} and makes an edge of it. It's {far[chosen]:.0f} m long. "
+    robot=f"RE predicts {probability:.3f}, so the map has an edge here, {far[chosen]:.0f} m long. "
     f"Of the map's {len(edges)} edges, {(far > WORMHOLE).sum()} are longer than {WORMHOLE:g} m.",
     tempting="A",
-    because="the photos agree. But so do the corridors, and a photo holds nothing else.",
+    because="the photos look alike. But so do the corridors, and a photo shows nothing else.",
     before=photos,
     after=stacked([photos, picture]),
 )
 display(apart)
 
 # %% [markdown]
-# That's **[[perceptual aliasing]]**: two places, one image. The edge that results is a **[[wormhole]]**. We count every edge of more than 5 m along the shortest path. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
+# That's **[[perceptual aliasing]]**: two places, one image. The edge that results is a **[[wormhole]]**. We count every edge longer than 5 m along the shortest path as one. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
 #
 # ### One image lies, a sequence hardly ever does
 #
-# Two corridors may share one image. That the images *before* agree, too, and the images *after*, is much less likely. So ask for a sequence: anchor $i$ is joined to vertex $v$ only if the anchors around $i$ can be joined to the vertices around $v$,
+# Two corridors may share one image. It's much less likely that the images *before* agree, too, and the images *after*. So ask for a sequence: anchor $i$ is joined to vertex $v$ only if the anchors around $i$ can be joined to the vertices around $v$,
 #
 # $$ \mathcal{RE}_\text{seq}(\hat o_i, v) \;=\; \min_{-2 \le s \le 2} \; \mathcal{RE}(\hat o_{i+s},\, v_{+s}), $$
 #
@@ -843,7 +843,7 @@ show(aligned_sequences(*names, values, same.index((source, target))))
 # %% [markdown]
 # ### Exercise 5 · `weakest_aligned` (hard, 15 minutes)
 #
-# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. On either side, a sequence ends as soon as there's no next anchor or no next vertex. **Beware:** to numpy, -1 is the last one.
+# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. On either side, a sequence ends as soon as there's no next anchor or no next vertex. **Beware:** to numpy, column -1 is the last one.
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
 # <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost, move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>
@@ -880,10 +880,10 @@ def weakest_aligned(reach, before, after, steps):
 weakest_aligned = check_weakest_aligned.use(weakest_aligned)
 
 # %% [markdown]
-# From here on, sequences are active in your map builder. Watch the wormholes go, and see what that costs. The table takes about 5 s.
+# From here on, sequences are active in your map builder. Watch the wormholes go, and see what that costs.
 
 # %% hidden=true
-# Wormholes and good edges by the length of sequences
+# Wormholes and good edges by the length of sequences (about 5 s)
 rows, bar = [], tqdm(total=6, desc="maps", leave=False)
 for name, data in (("the flat", home), ("the office", office)):
     by_sequence = []
@@ -901,9 +901,9 @@ head = {"building": "", "p_edge": ".2f", "anchors on either side": "d", "wormhol
 table({**head, "good edges kept": ".0%"}, rows)
 
 # %% [markdown]
-# Sequences cost good edges: near a fork, the earlier anchors agree and the later ones don't. It's still a bargain: good edges abound, and one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, since its rooms have different colours. The office needs them badly.
+# Sequences cost good edges: near a fork, the earlier anchors agree and the later ones don't. It's still a bargain: good edges abound, and even one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, since its rooms have different colours. The office needs them badly.
 #
-# The 1 in the last row is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences still apply to edges.
+# The one wormhole in the last row is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences still check the edges.
 
 # %% hidden=true
 # Does reuse add wormholes, or take some away?
@@ -930,10 +930,10 @@ swap = Prediction(
     "Now your insert reuses vertices, too. How many wormholes will there be?",
     {"A": "more", "B": "just as many", "C": "fewer"},
     right="A",
-    robot=f"it had {holes_before.sum()} and has {holes_after.sum()} now; {driven_holes} of them are "
-    "marked as driven.",
+    robot=f"the map had {holes_before.sum()} and now has {holes_after.sum()}; {driven_holes} of them "
+    "are marked as driven.",
     tempting="C",
-    because="a smaller map should have fewer of everything. But the rule of reuse asks for two "
+    because="a smaller map should have fewer of everything. But the reuse rule asks for two "
     "single values of RE, and no sequence.",
     before=stacked([picture_before], ["With sequences: one long edge is left, and a car drove it"]),
     after=stacked([picture_after], [f"With reuse, {holes_after.sum()} wormholes"]),
@@ -945,7 +945,7 @@ display(swap)
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. As in section 4, each start has paths to the ends elsewhere: 6 · 4 = 24. There, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. With section 3's rule all 24 are kept, but so are wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you score 19. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. Each start has paths to the ends elsewhere: 6 · 4 = 24. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. Section 3's rule keeps all 24, but adds wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you score 19. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
 #
 # | each is (V,) | |
 # |---|---|
@@ -982,7 +982,7 @@ class Candidates:
 
 
 def insert_by(rule):
-    """The library's insertion, with a rule of reuse of your own."""
+    """The library's insertion, with a reuse rule of your own."""
 
     def insertion(grown, own, scores, p_reuse):
         about = {}
@@ -1036,19 +1036,19 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust sequences.</i> Add <code>(np.minimum(given.there_seq, given.back_seq) > 0.3)</code>: a vertex stands in only where whole stretches agree, both ways (0.1 isn't enough). It's strict, so some paths go, but of the long steps only the one that a car really drove is left. <i>Trust the pair.</i> Add <code>(np.minimum(given.there, given.back) > 0.99)</code>: the two must reach <i>each other</i>. A look-alike corridor often passes one way and fails the other. All paths stay, but so do some of the wormholes.
+# <i>Trust sequences.</i> Add <code>(np.minimum(given.there_seq, given.back_seq) > 0.3)</code>: a vertex stands in only where whole stretches agree, both ways (0.1 isn't enough). It's strict, so some paths go, but of the long steps only the one that a car drove is left. <i>Trust the pair.</i> Add <code>(np.minimum(given.there, given.back) > 0.99)</code>: the two must reach <i>each other</i>. A look-alike corridor often passes one way and fails the other. All paths stay, but so do some of the wormholes.
 # </details>
 #
 # ## 7 · Not all pairs
 #
-# A drive of $A$ anchors and a map of $V$ vertices make $2AV$ pairs, and the next drive finds a larger map: RE's work grows with the **square** of the map's size. But nearly all its answers are *no*. Two ideas of ours save most queries:
+# A drive of $A$ anchors and a map of $V$ vertices make $2AV$ pairs, and the next drive finds a larger map: RE's work grows with the **square** of the map's size. But nearly all RE's answers are *no*. Two ideas of ours save most queries:
 #
 # 1. **Retrieval.** RE runs a network on each *pair*. An embedding (a list of numbers that a network makes from one image) is computed for each image *alone*, once, and comparing two takes a dot product. So ask RE only about the 12 most similar vertices.
 # 2. **Search along drives.** Where one pair is sure (RE above $p_\text{edge}$), its neighbours are worth a query, and then theirs, until no new pair is sure.
 #
 # ### Exercise 6 · `ask_next` (medium, 10 minutes)
 #
-# `reach` holds what is known; `np.nan` marks pairs that haven't been evaluated yet. Comparisons with it are False, and `np.isnan` finds it. The four neighbours of a pair (i, v) are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]); those beyond an end don't exist.
+# `reach` holds what is known; `np.nan` marks pairs not evaluated yet. Comparisons with it are False, and `np.isnan` finds it. The four neighbours of a pair (i, v) are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]); those beyond an end don't exist.
 #
 # <details><summary>Hint 1: concept</summary>Go through the pairs that are sure. Each one votes for its four neighbours. Known pairs need no vote.</details>
 # <details><summary>Hint 2: approach</summary>np.argwhere(table > 0) lists the places where a table is positive. Mark the four neighbours of each sure pair in a table of False, if the row exists and the column is not -1.</details>
@@ -1057,7 +1057,7 @@ else:
 
 # %% exercise="ask_next"
 def ask_next(reach, before, after, p_edge):
-    """Which pairs are worth a query, after some answers.
+    """Which pairs are worth a query, given the answers so far.
 
     reach: (A, V) array, RE from each anchor of a trajectory, in order, to each
     vertex; np.nan where it was not evaluated. before, after: (V,) arrays, as
@@ -1138,7 +1138,7 @@ axis.legend(loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# Similarity finds the right neighbourhood, and the search collects the rest of it. The share of queries is this large only because your flat's map is small. On a map of many buildings, the *number* of queries counts. With retrieval it hardly grows, as a stored run shows:
+# Similarity finds the right neighbourhood, and the search collects the rest. The share of queries is this large only because your flat's map is small. On a map of many buildings, the *number* of queries counts. With retrieval it hardly grows, as a stored run shows:
 
 # %% hidden=true
 # The stored run of `bench map`
@@ -1153,13 +1153,13 @@ for row in bench.rows:
         rows.append([method, *parts, row["seconds_per_trajectory"]])
     elif row["method"] == "indexed":
         recalls.append(row["recall"])
-print(f"In one building, retrieval found {min(recalls):.1%} of the edges that all pairs have.")
+print(f"In one building, retrieval found {min(recalls):.1%} of the edges that all pairs give.")
 table(head, sorted(rows))
 
 # %% [markdown]
 # ## 8 · When a map is full
 #
-# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, over tens of thousands of images; this is the twin of the paper's Fig. 13. The [results page](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
+# Keep driving in one building, and each drive adds less: its places are on the map already. Here are five buildings, over tens of thousands of images: our twin of the paper's Fig. 13. The [results page](../tutorial_lib/results/README.md) has both sets of numbers. A map that blindly keeps every 10th or 20th image grows for ever.
 
 # %% hidden=true
 # Vertices against images, from a stored run
@@ -1192,7 +1192,7 @@ show(from_figure(figure))
 # Three kinds of defects, counted on your flat's map and the office's:
 #
 # - **wormholes**: edges longer than 5 m;
-# - **distant replacements**: the vertex stands more than 1 m from the anchor, or is turned by more than 30°;
+# - **distant replacements**: the vertex is more than 1 m from the anchor it replaces, or turned by more than 30°;
 # - **duplicates**: vertices less than 0.6 m and 20° apart, which reuse should have merged.
 
 
@@ -1250,7 +1250,7 @@ show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are ends of drives.
+# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are at ends of drives.
 # </details>
 #
 # ## 10 · The cupboard moved
@@ -1305,15 +1305,15 @@ for p_outdated in (0.0, 0.1):
     print("    the first drive is now  " + " ".join(map(str, aged.paths[0])))
 
 # %% [markdown]
-# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting, the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone. RE is near 0 for everything out of sight: without this rule, the map would soon be empty.
+# The changed place gets a new vertex either way, since reuse fails there by itself. With forgetting, the old one goes, and no plan leads through it. And only a robot that *passes* may say that something's gone. RE is low for everything out of sight: without this rule, the map would soon lose good vertices.
 #
-# <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
-# If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If not, the vertex still does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why 0.1 is so strict.
+# <details><summary>A person once stood in the way, and is in a vertex's image. Does that do harm?</summary>
+# If the person hides much, RE to the vertex is low from then on, and the next drive that passes removes it. If not, the vertex still does its job. And if somebody stands in front of the <i>new</i> car, a good vertex may go: one drive is a single witness. That's why the threshold is so strict.
 # </details>
 #
 # ## 11 · Good night, robot
 #
-# So far RE has come from a table. Here's the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. It reuses a vertex if both REs are above 0.94 (`p_reuse`), and lets an edge stand in above 0.94 (`p_between`, section 8). `reuse_sequence=0` means that reuse asks for no sequence, the hole that your own rule patched. Compare [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py) with yours. A map outlives a battery, so it's saved, too, in one `.npz` file. Then we cut the file short, and the last printed line says so.
+# So far RE has come from a table. Here's the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at its own thresholds. It reuses a vertex if both REs are above 0.94 (`p_reuse`), and lets an edge stand in above 0.94 (`p_between`, section 8). `reuse_sequence=0` means that reuse asks for no sequence, the hole that your own rule patched. Compare [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py) with yours. A map must outlive the battery, so it's saved, too, in one `.npz` file. Then we cut the file short, and the last line says so.
 
 # %% hidden=true
 # The library's map, with the network inside; saved, loaded, and damaged
@@ -1361,6 +1361,6 @@ show(stacked([picture], ["Twelve drives, one map. Now what?"]))
 # - find the few pairs that are worth a query;
 # - say why a map stops growing, and when it may forget.
 #
-# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go backwards on the map? Remove every edge that a path of other edges replaces at a loss of 1 %: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
+# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go backwards on the map? Remove every edge that a path of other edges replaces at a loss of at most 1 %: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
 #
-# Tonight the robot can't use any of it. There's a map, and there's a photo on the fridge, and the robot can't get from one to the other. In notebook 06 it plans on this map, refuses, gets lost, and finds the lie. The paper's III-F and III-G are good reading until then.
+# Tonight the robot can't use any of it. There's a map, there's a photo on the fridge, and the robot can't get from one to the other. In notebook 06 it plans on this map, refuses, gets lost, and finds the lie. The paper's III-F and III-G are good reading until then.
