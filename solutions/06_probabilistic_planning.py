@@ -195,15 +195,15 @@ each = math.exp(np.mean(np.log(amber.probabilities)))
 hops = Prediction(
     "06",
     "hops",
-    f"Each amber hop is about {each:.1%} sure. How sure is it that all "
-    f"{len(amber.probabilities)} work?",
+    f"Each amber hop is about {each:.1%} sure. How likely is it that "
+    f"all {len(amber.probabilities)} work?",
     {"P": "about 70 %", "Q": "about 85 %", "R": "about 96 %", "S": "about 99 %"},
     right="R",
     robot=f"it multiplies: {' · '.join(f'{p:.3f}' for p in amber.probabilities)} = "
-    f"{amber.probability:.2f}. Green's two hops have only {from_d[lure]:.2f} · "
+    f"{amber.probability:.2f}. Green's two hops give only {from_d[lure]:.2f} · "
     f"{to_photo[lure]:.3f} = {green:.2f}. So it takes amber.",
     tempting="S",
-    because="each hop is that sure. But one failure is enough, and every hop has its own chance.",
+    because="each hop is that sure. But one failure is enough, and every hop can fail.",
     before=two_paths(),
 )
 display(hops)
@@ -213,7 +213,7 @@ display(hops)
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 05: why does an edge weigh −log RE, and not 1 − RE?</summary>
+# <details><summary>Notebook 05: why is an edge's weight −log RE, and not 1 − RE?</summary>
 # A path's probability is a product. The logarithm makes it a sum, and the minus sign makes the most probable path the shortest.
 # </details>
 # <details><summary>Notebook 05: why is a wrong edge worse than a missing one?</summary>
@@ -229,7 +229,7 @@ display(hops)
 #
 # $$ P(\text{path}) = \prod_i \mathcal{RE}(\hat o_i, \hat o_{i+1}) . $$
 #
-# Watch what's left of a sure hop when twelve of them must work.
+# Watch what's left of "nearly sure" when twelve hops must work.
 
 # %%
 for p in (0.999, 0.99, 0.95, 0.9):
@@ -253,10 +253,10 @@ pencil = Prediction(
     "Which path from here to goal is the most probable one?",
     {"X": "here, E, goal", "Y": "here, B, C, goal", "Z": "here, D, B, C, goal"},
     right="Y",
-    robot=f"it takes B and C: {product('here', 'B', 'C', 'goal')}.",
+    robot=f"it goes via B and C: {product('here', 'B', 'C', 'goal')}.",
     tempting="Z",
-    because=f"it has the best first hop, and no weaker edge than Y's path. But it takes four hops: "
-    f"{product('here', 'D', 'B', 'C', 'goal')}. And the fewest hops don't win either: "
+    because="it has the best first hop, and its weakest edge is as good as Y's. But it takes four "
+    f"hops: {product('here', 'D', 'B', 'C', 'goal')}. And the fewest hops don't win either: "
     f"{product('here', 'E', 'goal')}.",
     before=graph_picture(BY_HAND),
 )
@@ -265,7 +265,7 @@ display(pencil)
 # %% [markdown]
 # ### The shortest path in disguise
 #
-# A map has too many paths to try them all. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start it settles one vertex after another, always the nearest of those seen.
+# A map has too many paths to try them all. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start vertex, it settles one vertex after another, always the nearest one that's left.
 #
 # A *heap* hands you the nearest first. A vertex may be in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
 #
@@ -277,9 +277,9 @@ display(pencil)
 #
 # The graph is a dictionary of dictionaries: `graph[v][w]` is RE from `v` to `w`. Every vertex has an entry, possibly an empty one. Of equally probable paths, any will do.
 #
-# <details><summary>Hint 1: concept</summary>Keep three things: the least length known for each vertex seen, its predecessor, and a heap of (length, vertex) still to be processed.</details>
-# <details><summary>Hint 2: approach</summary>heapq.heappop returns the nearest. If it is the goal, go back along the predecessors to the start, and reverse the list. Otherwise look at each of its edges: if the path via that edge is shorter than the least known (not equally long), store the length and the predecessor, and push it. When the heap is empty, there is no path.</details>
-# <details><summary>Hint 3: one line</summary>What is math.inf good for as the second argument of .get? Which of length and vertex must stand first in what you push, so that the heap returns the nearest? And how does a length become a probability again?</details>
+# <details><summary>Hint 1: concept</summary>Keep three things: the least length known for each vertex seen, its predecessor, and a heap of (length, vertex) pairs still to be processed.</details>
+# <details><summary>Hint 2: approach</summary>heapq.heappop returns the nearest. If it is the goal, go back along the predecessors to the start, and reverse the list. Otherwise look at each of its edges: if the path via that edge is strictly shorter than the shortest known, store its length and the predecessor, and push the pair. When the heap is empty, there is no path.</details>
+# <details><summary>Hint 3: one line</summary>What is math.inf good for as the second argument of .get? Which of length and vertex must come first in what you push, so that the heap returns the nearest? And how does a length become a probability again?</details>
 
 
 # %% exercise="most_probable_path"
@@ -287,8 +287,8 @@ def most_probable_path(graph, start, goal):
     """The most probable path from start to goal.
 
     graph: dictionary of dictionaries, graph[v][w] is RE from v to w, above 0
-    and at most 1. It has an entry for every vertex, and stays as it is. start,
-    goal: vertices of it.
+    and at most 1. It has an entry for every vertex, and must not change. start,
+    goal: two of its vertices.
     Returns the list of vertices from start to goal, both included, and the
     probability of the whole path, the product of RE along it; [] and 0.0 where
     there is no path.
@@ -317,9 +317,9 @@ most_probable_path = check_most_probable_path.use(most_probable_path)
 # %% [markdown]
 # ## 2 · Two ends that aren't on the map
 #
-# The task has a name: [[image-goal navigation]]. Your robot sees $o_\text{current}$, gets a photo $o_G$, and neither is on the map. So each plan adds its own edges (III-F): from here to the vertices that look reachable, and from vertices to the photo. Nobody asks first *where* the robot is; the plan is the answer.
+# The task has a name: [[image-goal navigation]]. Your robot sees $o_\text{current}$, gets a photo $o_G$, and neither is on the map. So each plan adds its own edges (III-F): from here to the vertices that look reachable, and from vertices to the photo. You needn't first ask *where* the robot is: the plan tells you.
 #
-# Dots mark vertices with RE above one half: blue from D, green to the photo. One blue dot hides under the arrow, and two coincide at B. Which lie behind a wall?
+# Dots mark vertices with RE above one half: blue for RE from D, green for RE to the photo. One blue dot hides under the arrow, and two coincide at B. Which lie behind a wall?
 
 # %% hidden=true
 # What looks reachable from D, and what seems to lead to the photo
@@ -331,11 +331,11 @@ home.view.points(picture, home.poses[into_goal, :2], colours.GOAL, 4)
 home.view.arrow(picture, parked, colours.ROBOT, 9)
 far = home.metres(home.poses[near], np.tile(parked, (len(near), 1))) > WORMHOLE
 seen = stacked([home.photo(home.poses[v]) for v in np.array(near)[far][:3]])
-words = f"{far.sum()} of {len(near)} blue ones are far off: their photos"
+words = f"{far.sum()} of {len(near)} blue dots are far off: their photos"
 show(side_by_side([picture, seen], ["", words], gap=10))
 
 # %% [markdown]
-# A hop on the map was checked against a whole sequence of photos. The new hops rest on a **single view**, so they're any plan's weakest. A wrong hop seldom wins, since the right ones nearby have a higher RE. Without a right one, a wrong one wins.
+# A hop on the map was checked against a whole sequence of photos. The new hops rest on a **single view**, so they're any plan's weakest hops. A wrong hop seldom wins, since the right ones nearby have a higher RE. But without a right one, a wrong one wins.
 #
 # A goal may also come as *several* photos ("a kitchen like this one, or that one"); reaching one is enough.
 #
@@ -358,8 +358,8 @@ def join_ends(graph, from_here, to_goals, p_here, p_goal):
     for each goal image, a dictionary {v: RE from v to this image}; v may be
     HERE.
     p_here, p_goal: there is an edge where RE is greater; p_here for those from
-    HERE to a vertex of the graph, p_goal for those to GOAL. v that is neither
-    in graph nor HERE is left out.
+    HERE to a vertex of the graph, p_goal for those to GOAL. Any v that is
+    neither in graph nor HERE is left out.
     Returns a new graph (its inner dictionaries are new, too) with all of
     graph, HERE and GOAL: joined[HERE][v], and joined[v][GOAL].
     """
@@ -381,7 +381,7 @@ def join_ends(graph, from_here, to_goals, p_here, p_goal):
 join_ends = check_join_ends.use(join_ends)
 
 # %% [markdown]
-# Run both functions on your flat's map. That's the amber path, and now it's yours.
+# Run both functions on your flat's map. Out comes the amber path, and now it's yours.
 
 # %% hidden=true
 # The most probable path from D to the photo, by your functions
@@ -393,9 +393,9 @@ show(stacked([picture], [f"{len(path) - 1} hops, probability {probability:.3f}"]
 # %% [markdown]
 # ## 3 · Somebody swaps the photo
 #
-# Overnight, someone puts another photo on the fridge. It shows a room in an office across town. A graph search finds *some* path as soon as a single edge leads to the goal.
+# Overnight, someone puts another photo on the fridge: a room in an office across town. Still, a graph search finds *some* path as soon as a single edge leads to the goal.
 #
-# Take twelve goals at home, and forty photos from the office. For each, we query RE from a few random photos in the map and keep the best.
+# Take twelve goals at home, and forty photos from the office. For each, we query RE from a few random photos on the map and keep the best.
 
 # %% hidden=true
 # The best of n vertices, for photos of this flat and of another building
@@ -435,7 +435,7 @@ def best_chart(shown):
     axes[0].set_xscale("log")
     axes[0].set_xticks(counts, [str(n) for n in counts])
     axes[0].minorticks_off()
-    axes[0].set(xlabel="photos of the map that are asked", xlim=(0.9, 60), ylim=(0, 1.02))
+    axes[0].set(xlabel="photos of the map that we query", xlim=(0.9, 60), ylim=(0, 1.02))
     axes[0].set(ylabel="the best RE, on average")
     axes[0].legend(fontsize=10)
     if shown > 3:
@@ -450,13 +450,13 @@ def best_chart(shown):
 swapped = Prediction(
     "06",
     "swapped",
-    f"Now we ask all {len(names)} photos of the map. Where will the office's curve end?",
+    f"Now we query all {len(names)} photos of the map. Where will the office's curve end?",
     {"A": "still near 0.4", "B": "between 0.55 and 0.85", "C": "above 0.95, like home's"},
     right="B",
-    robot=f"for a room that isn't there, its map's best photo says {curves[1][-1]:.2f} on average. "
-    f"For {(theirs.max(axis=1) > 0.5).mean():.0%} of the office's photos it says more than one "
-    f"half; above {rules.p_goal} (the line) it's {(theirs.max(axis=1) > rules.p_goal).sum()} of "
-    f"{len(theirs)}.",
+    robot=f"for a room that isn't there, the best photo gives {curves[1][-1]:.2f} on average. "
+    f"For {(theirs.max(axis=1) > 0.5).mean():.0%} of the office's photos it gives more than one "
+    f"half; for {(theirs.max(axis=1) > rules.p_goal).sum()} of {len(theirs)}, more than "
+    f"{rules.p_goal} (the line).",
     tempting="A",
     because=f"one photo alone gives the office just {curves[1][0]:.2f}. But we keep the best, and "
     "with this many photos, one of them will look a bit like whatever you ask for.",
@@ -466,16 +466,16 @@ swapped = Prediction(
 display(swapped)
 
 # %% [markdown]
-# That's the **best of many**. RE may be right *on average over all pairs*; whoever picks the highest of many picks its mistakes, too. So an edge to the goal needs far more than one half: its threshold `p_goal` is 0.95.
+# That's the **best of many**. RE may be right *on average over all pairs*, but whoever picks the highest of many picks its mistakes, too. So an edge to the goal needs far more than one half: its threshold `p_goal` is 0.95.
 #
-# There's a second reason to stay put: the path itself is too improbable. "This allows a robot to assess the risk before executing a plan, and ask for help if necessary" (IV-C.2).
+# There's a second reason to stay put: the path itself may be too improbable. "This allows a robot to assess the risk before executing a plan, and ask for help if necessary" (IV-C.2).
 #
 # ### Exercise 3 · `decide` (medium, 10 minutes)
 #
 # In this order:
 #
 # 1. Plan with edges from `HERE` above `rules.p_query` and to `GOAL` above `rules.p_goal`. If there's a path with a probability of at least `rules.least`, start: the reason is the empty string `""`. If the path is less probable, the reason is `"too improbable"`.
-# 2. If there's none, plan again, with `rules.p_query` at both ends. If there's a path *now*, only the goal was doubtful: the reason is `"not on the map"`. Otherwise it's `"no path"`.
+# 2. If there's no path, plan again, with `rules.p_query` at both ends. If there's a path *now*, only the goal was doubtful: the reason is `"not on the map"`. Otherwise it's `"no path"`.
 #
 # Even a refusal returns the path and its probability; the user may want to overrule it.
 #
@@ -523,7 +523,7 @@ for name, answers in (("of the flat", decisions), ("of the office", foreign_deci
 table({"photos": "", **{reason or "starts": "d" for reason in REASONS}}, rows)
 
 # %% [markdown]
-# A photo that resembles nothing at home gets *no path*. If the robot starts for a photo of the office, it has fallen for a look-alike. Here's the most convincing one. Would you have refused?
+# A photo that resembles nothing at home gets *no path*. If the robot sets off for a photo of the office, it has fallen for a look-alike. Here's the most convincing one. Would you have refused?
 
 # %% hidden=true
 # The most convincing photo of the office
@@ -532,33 +532,33 @@ there = people_camera.look(elsewhere, foreign_recording.poses[frames[[worst]]])[
 show(
     side_by_side(
         [camera_picture(there, 380), home.photo(home.poses[names[vertex]], 380)],
-        ["the photo, from the office", f"at home, RE to it {theirs.max():.3f}"],
+        ["the photo, from the office", f"at home; RE to the photo: {theirs.max():.3f}"],
     )
 )
 
 # %% [markdown]
 # ## 4 · Lost
 #
-# A plan is a belief. A door closes, or an edge was a mistake, and notebook 04's follower says *lost*. Three thresholds matter most; they're worth knowing by heart:
+# A plan can go wrong. A door closes, or an edge was a mistake, and notebook 04's follower says *lost*. Three thresholds matter most; they're worth knowing by heart:
 #
 # - **build** at 0.99: above that, a hop becomes an edge of the map;
 # - **trust now** at 0.92: above that, the follower trusts the next photo and drives to it;
 # - **give up** at 0.4: below that, it lets go of the photo it's driving to, and coasts.
 #
-# All others have defaults, in a table at the end.
+# Section 12 lists the others.
 #
 # Getting lost teaches something. The robot knows *which* vertex it couldn't reach, and it stands somewhere else now, with a new view. So it **replans** from there (III-G). Your `navigate` will also **exclude** the vertex that it missed, or it might make the same plan again.
 #
 # <details><summary>Wouldn't it be better to exclude the edge?</summary>
-# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one by one, and fail at each. On the other hand, a vertex may be hard to reach from one side and easy from another. The library takes a middle course: it excludes the edge and those next to it, for only two minutes. In the paper, nothing is excluded; the new view alone makes the new plan differ.
+# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one by one, and fail at each. But a vertex may be hard to reach from one side and easy from another. The library takes a middle course: it excludes the edge and those next to it, for only two minutes. In the paper, nothing is excluded; the new view alone makes the new plan differ.
 # </details>
 #
 # ### Exercise 4 · `travel` (medium, 8 minutes)
 #
-# `plan(excluded)` plans from where the robot is now, avoiding a set of vertices. It returns a path from `HERE` to `GOAL`, or `[]` when it refuses. `drive(path)` drives, and returns `None` on arrival, otherwise the **place** (index along the path) of the vertex that wasn't reached: 1 for the first after `HERE`. After the first plan there may be `replans` more. `GOAL` is never excluded: if the robot can't reach it from the last vertex, it just replans.
+# `plan(excluded)` plans from where the robot is now, avoiding a set of vertices. It returns a path from `HERE` to `GOAL`, or `[]` when it refuses. `drive(path)` drives, and returns `None` on arrival, otherwise the **place** (index along the path) of the vertex that wasn't reached: 1 for the first after `HERE`. After the first plan, up to `replans` more are allowed. `GOAL` is never excluded: if the robot can't reach it from the last vertex, it just replans.
 #
 # <details><summary>Hint 1: concept</summary>A loop of replans + 1 rounds: plan, give up if refused, drive, return on arrival, remember what could not be reached.</details>
-# <details><summary>Hint 2: approach</summary>The set lives outside the loop, so that it grows. path[stopped] is the vertex; GOAL is not a vertex of the map, so there is nothing to exclude if it could not be reached from the last vertex.</details>
+# <details><summary>Hint 2: approach</summary>The set lives outside the loop, so that it grows. path[stopped] is the vertex; GOAL is not on the map, so if it was not reached, there is nothing to exclude.</details>
 # <details><summary>Hint 3: one line</summary>How many rounds are there with replans = 0? What do you return after the last round, and what must stay in the set when drive returns None?</details>
 
 
@@ -595,7 +595,7 @@ travel = check_travel.use(travel)
 # %% [markdown]
 # ### The navigator
 #
-# `travel` skips what a robot does *between* plans. The robot may face a wall, where no vertex looks reachable. Then it turns, and plans again once a second. And a real navigator can't call `drive` and wait: it's called ten times a second, and each time it decides what to do next. `without` returns the map without the excluded vertices.
+# `travel` skips what a robot does *between* plans. The robot may face a wall, where no vertex looks reachable. Then it turns, and plans again once a second. And a real navigator can't call `drive` and wait: it's called ten times a second, and decides each time what to do next. `without` returns the map without the excluded vertices.
 
 
 # %%
@@ -624,12 +624,12 @@ def without(graph, excluded):
 #    - A path, and no reason against it? Follow it, in this very step.
 #    - A path and a *reason*? If the robot has never been lost, that's the end: `"refused"`. Once it's been lost, it takes the path all the same: better an improbable path than none.
 #    - No path? Turn for this step. After `limits.search` steps of turning in this search, the drive ends instead, with `"gave up"`. A look that's due in this step comes first.
-# 2. **With a path** the robot follows it. `"arrived"` ends the drive: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those joined to it by edges *both ways*, in the whole `graph`. `GOAL` is never excluded. The robot may get lost `limits.replans` times and search again from the next step on; when lost once more, the drive ends with `"gave up"`.
-# 3. After `limits.steps` steps it ends with `"late"`.
+# 2. **With a path** the robot follows it. `"arrived"` ends the drive, with `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those joined to it by edges *both ways*, in the whole `graph`. `GOAL` is never excluded. The robot may get lost `limits.replans` times and search again from the next step on; if it's lost once more, the drive ends with `"gave up"`.
+# 3. After `limits.steps` steps, the drive ends with `"late"`.
 #
-# The check compares what robots in all kinds of trouble do, call by call.
+# The check follows robots in all kinds of trouble, call by call.
 #
-# <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often the robot was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
+# <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the current path ([] for none), the steps of turning in this search, how often the robot was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
 # <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning, continue with the next round. The vertex that was not reached lies on the path at robot.active; GOAL is not a key of graph. After the robot was lost, the next search begins with its counter at 0.</details>
 # <details><summary>Hint 3: one line</summary>What are the variables before the first step, and which of them change when the robot is lost? A path that is refused: in which of the two cases do you return? Is "lost more than limits.replans times" a comparison with &gt; or with &gt;=, and before or after you count?</details>
 
@@ -638,7 +638,7 @@ def without(graph, excluded):
 def navigate(robot, graph, rules, limits):
     """Plan, follow, search and replan, step by step.
 
-    robot: see above. graph: of the map; it stays as it is. rules: for decide.
+    robot: see above. graph: the map's; it must not change. rules: for decide.
     limits: limits.replans, and in steps limits.interval, limits.search and
     limits.steps.
     Returns a tuple of three: the ending ("arrived", "refused", "gave up" or
@@ -680,7 +680,7 @@ navigate = check_navigate.use(navigate)
 # %% [markdown]
 # ### Eight seconds later
 #
-# The next evening your robot sets off from A, for the photo's place. After eight seconds, somebody picks it up and puts it down far from its path. Its odometry doesn't notice. It's a [[kidnapped robot]], and your `navigate` drives it.
+# The next evening your robot sets off from A for the photo. After eight seconds, somebody picks it up and puts it down far from its path. Its odometry doesn't notice. It's a [[kidnapped robot]], and your `navigate` drives it.
 
 # %% hidden=true
 # One robot for `navigate`, carried away after eight seconds (about 6 s)
@@ -771,10 +771,10 @@ last_plan = max(i for i, plan in enumerate(plans) if plan[0])
 carried = Prediction(
     "06",
     "carried",
-    "Blue: the drive so far. Black: where it's put down. What will it do?",
+    "Blue: the drive so far. Black: where the robot's put down. What will it do?",
     {
-        "A": "follow its old plan and claim that it's there",
-        "B": "notice within seconds, and plan anew",
+        "A": "follow its old plan and say it's arrived",
+        "B": "notice within seconds, and plan again",
         "C": "turn on the spot until it gives up",
     },
     right="B",
@@ -782,7 +782,7 @@ carried = Prediction(
     f"{len(plans)} plans and excludes {len(excluded)} vertices; after {len(track) * STEP:.0f} s it "
     f'ends with "{ending}".',
     tempting="A",
-    because="its odometry says that all goes well. But it drives by photos, and the next one isn't "
+    because="its odometry says that all is well. But it drives by photos, and the next one isn't "
     "in sight. After a few seconds of coasting it knows it's lost.",
     before=first_picture,
     after=side_by_side(
@@ -797,13 +797,13 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# That's all the "kidnapped robot problem" is to a robot without a position: one more plan. The vertices it excluded are innocent; it can't know whether a vertex was wrong or its own place. That costs little while other vertices are left. And if the new plan is wrong, too, the robot gets lost somewhere else: "the location where robot detects the discrepancy is likely distinct" (III-G).
+# That's all the "kidnapped robot problem" is to a robot without a position: one more plan. The vertices it excluded are innocent, but the robot can't know that. Excluding them costs little while others are left. And if the new plan is wrong, too, the robot gets lost somewhere else: "the location where robot detects the discrepancy is likely distinct" (III-G).
 #
 # ## 5 · A field trip
 #
 # Your flat is kind: its rooms have different colours. So take the robot to a building with five places, 0 to 4, and a corridor all the way round. People drove there twenty times; the robot gets **twelve** of those drives. Some edges of its map are [[turn edge]]s, with a fixed probability of 0.95.
 #
-# Each cut removes the surest edge of the best path. Amber is the best path of all, green the best one left; vermilion edges were cut. Watch where the path jumps to another side of the building.
+# Each cut removes the surest edge of the best path. Amber is the best path before any cut, green the best one after; cut edges are vermilion. Watch where the path jumps to another side of the building.
 
 # %% hidden=true
 # A corridor all round, and the best path with some edges cut (about 10 s)
@@ -876,7 +876,7 @@ sliders(
 #
 # ## 6 · Start, or refuse?
 #
-# **Second sitting.** Thirty-two robots start anywhere in this building, many facing sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen are for you to study. Look at the vermilion ones: what do their plans have in common?
+# **Second sitting.** Thirty-two robots start all over this building, many facing sideways. Each takes the path of your `decide`, whatever the reason against it, and never replans. Sixteen are for you to study. Look at the vermilion ones: what do their plans have in common?
 
 # %% hidden=true
 # Thirty-two robots, one plan each (about 15 s)
@@ -985,9 +985,9 @@ rows = [side_by_side(panels[n : n + 2], titles[n : n + 2]) for n in range(0, len
 show(stacked(rows, gap=8))
 
 # %% [markdown]
-# Amber is the plan, blue the track, and the vermilion dot marks where the robot got lost. Two kinds of failure come up often. The **first hop** leads straight through walls, to a look-alike corridor: no vertex is really ahead, so the planner takes the one with the most optimistic RE. Or the plan is **long**, with a turn edge or a driven step that doesn't hold.
+# Amber is the plan, blue the track, and the vermilion dot marks where the robot got lost. Two kinds of failure are common. The **first hop** leads straight through walls, to a look-alike corridor: no vertex is really ahead, so the planner takes the one with the most optimistic RE. Or the plan is **long**, with a turn edge or a driven step that fails.
 #
-# **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$, a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But is $p$ true? Refusing everything scores 0. Starting whenever there's a path scores far less. One more robot that arrives instead of getting lost is worth 4, so a few points may be luck.
+# **An open task.** Write `my_decide`. It'll be asked for 24 decisions in this building: for the other sixteen robots, and for eight photos of the office. **Arrived is +1, refused 0, lost −3.** With a true probability $p$, a start is worth $p - 3\,(1 - p)$, so you'd start above 0.75. But are the plans' probabilities true? Refusing everything scores 0. Starting whenever there's a path scores far less. One more robot that arrives instead of getting lost is worth 4, so a few points may be luck.
 
 # %%
 NAME = "my decide"  # in the league table
@@ -1050,12 +1050,12 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots to study; other robots test them.
+# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots you studied; the others test them.
 # </details>
 #
 # ## 7 · A lie in the map
 #
-# A colleague has built a map from the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]** here, even if it runs along a straight corridor.
+# A colleague has built a map from the same photos by a simpler rule: an edge wherever RE of a single pair is above 0.9. Ours asks for 0.99, and for a matching sequence. An edge between places more than 5 m apart counts as a **[[wormhole]]** here, even if it runs along a straight corridor.
 
 # %% hidden=true
 # The colleague's map, and the plans on it
@@ -1093,18 +1093,18 @@ curse = Prediction(
     robot=f"{sum(through)} of its {len(through)} plans on her map do. On average, those "
     f"promise {np.mean(gain):.2f} more than its plans on our map do.",
     tempting="B",
-    because="that would be chance. But a planner doesn't draw edges, it chooses, and a false edge "
-    "is taken exactly when it promises more than the truth.",
+    because="that's what chance would give. But a planner doesn't pick edges at random: it takes a "
+    "false edge exactly when that promises more than the truth.",
     before=side_by_side(panels, titles),
 )
 display(curse)
 
 # %% [markdown]
-# This is the best of many again, for paths: the **winner's curse**. A planner finds the mistakes of its map, since they promise most.
+# This is the best of many again, now for paths: the **winner's curse**. A planner finds the mistakes of its map, since they promise most.
 #
 # ### The hunt
 #
-# The next map differs from ours by a **single** false edge, and that one looks very sure: 0.999. You don't know which one. Six robots have driven on this map, without replanning. Find the edge from how their trips ended, as you'd have to with a real robot and no floor plan.
+# The next map differs from ours by a **single** false edge, and that one looks very sure: 0.999. You don't know which it is. Six robots have driven by this map, without replanning. Find the edge from how their trips ended, as you'd have to with a real robot and no floor plan.
 #
 # For each trip you have its path, and the place of the vertex that wasn't reached. What does a trip say about an edge? The edges before that place were **tried and passed**. The edge into it was **tried, but not passed**. The trip says nothing about later edges.
 #
@@ -1113,7 +1113,7 @@ display(curse)
 # A trip may come to the same edge more than once: each time counts. Edges from `HERE` and to `GOAL`, −1 and −2 in the table below, count like the others, and an edge has a direction.
 #
 # <details><summary>Hint 1: concept</summary>Edge i (from 1) of a path leads to place i. Compare i with the place where the trip stopped.</details>
-# <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival, all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>
+# <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival, all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped were passed.</details>
 # <details><summary>Hint 3: one line</summary>In wins[team] = (games + 1, won + (goals &gt; 2)) a comparison counts as 1 or 0; and games, won = wins.get(team, (0, 0)) comes before it.</details>
 
 
@@ -1164,7 +1164,7 @@ rows = [[str(edge), *both] for edge, both in counts.items() if both[1] < both[0]
 table({"edge, not always passed": "", "tried": "d", "passed": "d"}, rows)
 
 # %% [markdown]
-# **Which edge is it?** Write it down before you go on. That edge should hold in 999 of 1,000 trials. With a true 0.999, even two failures in two trips would happen once in a million.
+# **Which edge is it?** Write it down before you go on. The map says that edge works 999 times in 1,000. If so, even two failures in two trips would happen only once in a million.
 #
 # Now remove it. The pictures show two old plans; the titles describe the new ones.
 
@@ -1195,17 +1195,17 @@ panels.append(stacked(views, ["from here", "to here"], gap=4))
 show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 
 # %% [markdown]
-# RE never predicted 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust what was driven only if it really was. On the left, amber's last hop is another lie: 14 metres, promised by a single view.
+# RE never predicted 0.999. A map keeps the steps of its drives whatever RE predicts, since they were *driven*. Here somebody lifted the robot and carried it round the corner *while it recorded*. So trust a driven step only if it really was driven. On the left, amber's last hop is another lie: 14 metres, promised by a single view.
 #
 # Your `navigate` would replan around such an edge, and pay for it. So would the next robot, and the one after that: the edge is still on the map.
 #
 # <details><summary>Is it always that easy?</summary>
-# No. These robots saw nothing that looked like the end of the false edge, so they got lost on the edge itself. There's a nastier kind: an edge to a vertex that looks <i>just</i> like the robot's own place. Then the follower counts the false edge as passed at once, and gets lost on the <i>next</i> one. The tally blames the wrong edge, and only many trips over it from elsewhere acquit it. But a real robot has further evidence: an edge of many metres that was "passed" within a second.
+# No. These robots saw nothing that looked like the end of the false edge, so they got lost on the edge itself. There's a nastier kind: an edge to a vertex that looks <i>just</i> like the robot's own place. Then the follower counts the false edge as passed at once, and gets lost on the <i>next</i> one. The tally blames the wrong edge, and only many trips over that edge from elsewhere acquit it. But a real robot has further evidence: an edge of many metres that was "passed" within a second.
 # </details>
 #
 # ## 8 · Your robot
 #
-# What you wrote in notebooks 02 to 06 now drives one robot home, to the photo on the fridge. Each function below is **yours if its check passed**; it comes from the folder `my_answers`. Otherwise it's the library's. (The solved notebook is run without that folder, so in its table all are the library's.)
+# What you wrote in notebooks 02 to 06 now drives one robot home, to the photo on the fridge. Each function below is **yours if its check passed**, and comes from the folder `my_answers`. Otherwise it's the library's. (The solved notebook is run without that folder, so in its table all are the library's.)
 #
 # | part of the robot | functions | notebook |
 # |---|---|---|
@@ -1214,7 +1214,7 @@ show(side_by_side(panels, [*titles, "would you trust it?"], gap=6))
 # | the map | `insert` with `reusable` and `ahead_of`; `weakest_aligned`, `edge_weights` | 05 |
 # | planning and navigating | `navigate` with `decide`, `join_ends` and `most_probable_path` | 06 |
 #
-# The networks, speed limits and the world stay the library's. Put your robot's name in the first line, and watch which way it faces at the end: that's what your `transition` calls arrival.
+# The networks, speed limits and the world stay the library's. Put your robot's name in the first line, and watch which way it faces at the end: your `transition` counts that as arrival.
 
 # %%
 ROBOT = ""  # its name, for the title of the film
@@ -1506,7 +1506,7 @@ play(frames, 2, robot.seconds, count=3, strip=[frame[:518, :518] for frame in fr
 #
 # ## 9 · What a plan's number is worth
 #
-# In the challenge, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's our twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows them after a calibration like notebook 03's, fitted on other worlds.
+# In the challenge, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's the figure's twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows the plans after a calibration like notebook 03's, fitted on other worlds.
 
 # %% hidden=true
 # The twin of Fig. 9, from a stored run
@@ -1591,24 +1591,24 @@ luck = Prediction(
     {"A": "above the diagonal", "B": "on it", "C": "below it"},
     right="A",
     robot=f"in world 2 its paths promise {came_true[1][0]:.2f} on average, and "
-    f"{came_true[1][1]:.2f} come true. In world 3, {came_true[2][1]:.2f} do; in world 4 they "
-    f"promise {came_true[3][0]:.2f}, and {came_true[3][1]:.2f} come true.",
+    f"{came_true[1][1]:.2f} of them come true. In world 3, {came_true[2][1]:.2f} do; in world 4 "
+    f"they promise {came_true[3][0]:.2f}, and {came_true[3][1]:.2f} come true.",
     tempting="C",
-    because="bad luck strikes the whole path. But so does good luck: a path then fails about as "
-    "often as its worst hop, not as all of them together.",
+    because="bad luck strikes the whole path. But so does good luck: a path then fails only "
+    "about as often as its worst hop.",
     before=worlds_chart([1]),
     after=worlds_chart([1, 2, 3, 4]),
 )
 display(luck)
 
 # %% [markdown]
-# Shared luck and a second chance make the product too low; choosing the best makes it too high. In world 4 the gap is small; in Fig. 9, choosing outweighs both. Many robots face sideways at first, no vertex is really ahead, and one false first hop undoes nine good ones after it.
+# Shared luck and a second chance make the product too low; choosing the best makes it too high. In world 4 the gap is small; in Fig. 9, choosing outweighs the rest: many robots face sideways at first, no vertex is really ahead, and one false first hop undoes nine good ones after it.
 #
-# There's another reason, which no made-up world shows. RE of an edge is computed from the *anchor's photo*, but the robot arrives next to the anchor, a little turned. So what remains is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
+# There's another reason, which no made-up world shows. RE of an edge is computed from the *anchor's photo*, but the robot arrives next to the anchor, a little turned. What you can trust is the **order**: the more probable plan succeeds more often, and that's all Dijkstra uses. A warning such as "this works in 7 of 10 cases" needs the calibration.
 #
 # ## 10 · What a table of successes hides
 #
-# The paper's Table II has ten places, and a drive for each ordered pair of them. The rival there is **SPTM** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): every 20th image is kept, similar ones are joined, and all edges count the same. In our easier worlds [both arrive nearly always](../tutorial_lib/results/README.md#table-ii-navigation); in the paper, SPTM fails half the time.
+# The paper's Table II has ten places, and a drive for each ordered pair of them. The rival there is **SPTM** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): it keeps every 20th image, joins similar ones, and weights all edges alike. In our easier worlds [both arrive nearly always](../tutorial_lib/results/README.md#table-ii-navigation); in the paper, SPTM fails half the time.
 #
 # A map should *compose* drives: arrive along one, and leave along another. Call a trial **driven** if some known drive passes its start and then its goal. A *tour* goes from each place to the next, and back. Watch the last column.
 
@@ -1625,10 +1625,10 @@ head = {"learned": "", "drives": "d", "driven": ".0%", "to be composed": ".0%"}
 table(head, rows, caption=f"{len(many_trials)} trials between five places")
 
 # %% [markdown]
-# With all drives there's nothing to compose, so the paper's table can't tell a system that composes from one that repeats. With few drives, most trials must be composed, and only there do maps show their worth. The results page has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
+# With all drives there's nothing to compose, so the paper's table can't tell a system that composes from one that repeats. With few drives, most trials must be composed, and only then do maps show their worth. The results page has [success with a part of the drives](../tutorial_lib/results/README.md#table-ii-a-part-of-the-drives), [Fig. 10](../tutorial_lib/results/README.md#fig-10-fewer-trajectories), and [one composed path](../tutorial_lib/results/README.md#fig-11-a-composed-path).
 #
 # <details><summary>Why is SPTM so much stronger here than in the paper?</summary>
-# In our worlds, different places seldom look alike to the last stripe, and SPTM's threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM fails more often. But in open space, RE is seldom sure, and our maps get large.
+# In our worlds, different places seldom look alike down to the last stripe, and SPTM's threshold was found by a search. A little lower and wormholes come in, a little higher and its map falls to pieces. RE's threshold is a probability: <a href="../tutorial_lib/results/README.md#table-ii-thresholds">from 0.9 to 0.99 it hardly matters</a>. That helps where nothing was tuned: on two of <a href="../tutorial_lib/results/README.md#table-ii-on-maps-from-nav2">three real maps</a> SPTM fails more often. But in open space, RE is seldom sure, and our maps get large.
 # </details>
 #
 # ## 11 · Bring your own planner
@@ -1692,9 +1692,9 @@ rows = [
     ["p_edge", building_rules.p_edge, "build: above it two vertices are joined"],
     ["p_follow", following.p_follow, "trust now: above it the follower drives to an anchor"],
     ["p_lose", following.p_lose, "give up: below it the follower lets go of its anchor"],
-    ["p_reuse", building_rules.p_reuse, "above it, into and onward, a vertex replaces an anchor"],
+    ["p_reuse", building_rules.p_reuse, "above it, to and from it, a vertex replaces an anchor"],
     ["p_between", building_rules.p_between, "above it an edge stands in for an anchor"],
-    ["p_outdated", building_rules.p_outdated, "below it a vertex that should be in sight is gone"],
+    ["p_outdated", building_rules.p_outdated, "below it an expected vertex counts as gone"],
     ["p_search", following.p_search, "above it a follower finds itself on its path"],
     ["p_query", rules.p_query, "above it a plan has an edge from here"],
     ["p_goal", rules.p_goal, "above it a plan has an edge to the goal"],
@@ -1717,7 +1717,7 @@ table({"name": "", "default": "g", "meaning": ""}, rows)
 # 10. Why do plans promise too much when RE is right on average?
 #
 # <details><summary>Answers</summary>
-# 1. It coasts on odometry and keeps looking. 2. The robot sees a target ahead, not one behind. 3. Overconfidence: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. RE to the goal is the best of many; some photo always looks right. 7. Once it's been lost: better an improbable path than none. 8. Those that got lost before they came to it, and those that never planned through it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.
+# 1. It coasts on odometry and keeps looking. 2. The robot sees a target ahead, not one behind. 3. Overconfidence: RE isn't calibrated. 4. 0. 5. Hardly better: 0.818 against 0.81. 6. RE to the goal is the best of many; some photo always looks right. 7. Once it's been lost: better an improbable path than none. 8. Those that got lost before they came to it, and those whose path doesn't contain it. 9. One half. 10. The planner chooses what promises most, and so it picks RE's mistakes.
 # </details>
 #
 # After this notebook you can
@@ -1729,6 +1729,6 @@ table({"name": "", "default": "g", "meaning": ""}, rows)
 # - find a map's false edge from how trips ended;
 # - say what a plan's probability is worth, and what a table of successes hides.
 #
-# **Extras, if you like.** Write a planner that takes metres into account; each vertex has the odometer's pose, `topomap.vertices.observations[np.array(path)].odometry`, and along a drive, differences give lengths. Put one of the colleague's wormholes into our map and send robots through it: what does the tally say? Let `join_ends` accept only *sequences* at the goal: what happens to the office's photos, and to ours?
+# **Extras, if you like.** Write a planner that takes metres into account; each vertex has an odometry pose, `topomap.vertices.observations[np.array(path)].odometry`, and along a drive, pose differences give lengths. Put one of the colleague's wormholes into our map and send robots through it: what does the tally say? Let `join_ends` accept only *sequences* at the goal: what happens to the office's photos, and to ours?
 #
 # Tonight your robot is home. Tomorrow it goes to the office next door, where the rooms are twins: two doors, two desks, one photo. It'll plan, trust, and drive to the wrong room. In notebook 07 it learns to doubt *where it is*. Good reading until then: the paper, III-F, III-G and IV-C; R. R. Wiyatno, A. Xu and L. Paull, [*Lifelong Topological Visual Navigation*](https://arxiv.org/abs/2110.08488) (2022), on edges that learn from each drive; and J. E. Smith and R. L. Winkler, [*The Optimizer's Curse*](https://doi.org/10.1287/mnsc.1050.0451) (2006).

@@ -1,11 +1,11 @@
 # %% [markdown]
 # # 07 · When places look alike
 #
-# **The office next door.** Its rooms were drawn once and copied: the same desk, the same cupboard, the same door. Your robot has a map built from thirty drives through it, and a photo of the green place. Its first plan is in amber. Each arrowhead marks a photo the robot expects to see.
+# **The office next door.** Its rooms were drawn once and copied: the same desk, the same cupboard, the same door. Your robot has a map built from thirty drives there, and a photo of the green place. Amber is its first plan. Each arrowhead marks a photo the robot expects to see.
 #
 # You can tell which room it's in. The robot has only one picture. *Which way will it turn at the door?*
 #
-# By the end, it'll say "I'm in room 0, 1, 2 or 3", which is the truth. Someone will carry it off, and it'll notice. And it'll find out, while driving, that it was wrong.
+# By the end, it'll say "I'm in room 0, 1, 2 or 3", and be right. Someone will carry it off, and it'll notice. And it'll find out, while driving, that its plan was wrong.
 
 # %% hidden=true
 # The office next door, and a map of thirty drives (about 15 s)
@@ -177,10 +177,10 @@ turn = Prediction(
     "Which way will it turn?",
     {"A": "left", "B": "right", "C": "it'll cross the corridor, into room 0"},
     right="A",
-    robot=f"it thinks it's in room {ACROSS}. Out of that door the goal is on the left. So it turns "
+    robot=f"it thinks it's in room {ACROSS}. From that door, the goal is on the left. So it turns "
     f"left, finds none of its photos, and after {outcome.seconds[trip]:.0f} s it gives up, "
-    f"{outcome.gap[trip]:.0f} m from the goal. Of {len(trials)} such trips {outcome.success.sum()} "
-    "succeed.",
+    f"{outcome.gap[trip]:.0f} m from the goal. Of {len(trials)} such trips, "
+    f"{outcome.success.sum()} succeed.",
     tempting="B",
     because=f"that's where the goal is. But amber begins in room {ACROSS}, and the robot follows "
     "amber's photos.",
@@ -195,7 +195,7 @@ display(turn)
 # **Three old questions first.**
 #
 # <details><summary>Notebook 05: one photo lied, and a map got a wormhole. What did you ask for instead of one photo?</summary>
-# A sequence: the anchors before and after must match, too. Two corridors may share one photo, but hardly five in a row.
+# A sequence: the anchors before and after must match, too. Two corridors may look alike in one photo, but hardly in five in a row.
 # </details>
 # <details><summary>Notebook 06: which hops of a plan rest on a single view?</summary>
 # The first and the last: from here onto the map, and from the map to the photo.
@@ -231,7 +231,7 @@ table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, stric
 #
 # ## 2 · Through the wall
 #
-# Two more robots use the same map. They start in rooms that have no twin, so they know where they are. But the rooms they're looking for have twins. Legs longer than 5 m are vermilion. Watch what each robot sees, what it expects, and what it says at the end.
+# Two more robots use the same map. They start in rooms without a twin, so they know where they are. But the rooms they're looking for have twins. Hops longer than 5 m are vermilion. Watch what each robot sees, what it expects, and what it says at the end.
 
 
 # %% hidden=true
@@ -275,7 +275,7 @@ for i, (start, end) in enumerate(lured_trials.pairs):
     display(film_of(lured, single_poses, i, lured_trials.goal_poses[i]))
 
 # %% [markdown]
-# Such a leg is a **[[wormhole]]**: one step on the map, a long drive in the building. Both robots say they've arrived, and both are in a room that only looks like the right one. Neither did anything wrong: the photos fit more than one place.
+# Such a hop is a **[[wormhole]]**: one step on the map, a long drive in the building. Both robots say they've arrived, and both are in a room that only looks like the right one. Neither did anything wrong: the photos fit more than one place.
 #
 # The paper's first answer is notebook 05's: match a **sequence** of anchors, "during search and graph construction" (III-G). Places that merely look alike have neighbours that don't, sooner or later. We ask for four matches on either side, for edges and for reuse.
 
@@ -314,8 +314,8 @@ fold = Prediction(
     "sequences must match?",
     {"A": "fewer", "B": "about as many", "C": "three times as many or more"},
     right="C",
-    robot=f"it keeps {of_sequences[0]} photos in place of {of_single[0]}. Wormholes: "
-    f"{of_sequences[2]} in place of {of_single[2]}.",
+    robot=f"it keeps {of_sequences[0]} photos instead of {of_single[0]}. Wormholes: "
+    f"{of_sequences[2]} instead of {of_single[2]}.",
     tempting="B",
     because="they're the same drives through the same building. But on this map a room shares its "
     "vertices with its twins. The building is folded: four rooms lie on top of each other.",
@@ -334,25 +334,25 @@ head = {"map by": "", "vertices": "d", "edges": "d", "wormholes": "d", "share": 
 table({**head, "edges of a plan": ".1f"}, rows)
 
 # %% [markdown]
-# On the first map, twins share their vertices: the map is **folded**. Its plans are short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing comes before, and along a corridor of identical doors, the neighbours are twins, too.
+# On the first map, twins share their vertices: the map is **folded**. Its plans are short, probable and often wrong, and planners *look for* short cuts. Sequences unfold the map, but not completely. Where a drive *begins* in a twin, nothing earlier can match, and along a corridor of identical doors, the neighbours are twins, too.
 #
 # ## 3 · A belief
 #
-# The robot asks, "Where am I?" There are three answers:
+# The robot has three ways to answer "Where am I?":
 #
 # - **argmax**: at the vertex that looks most like the view;
 # - **a sequence**: where the last few views fit in order (III-G);
 # - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves, belief moves along the edges. When the robot looks, vertices that resemble the view gain.
 #
-# Only a belief can say "in room 0, 1, 2 or 3". The paper decides against it: it would need "a unique state (e.g., global pose) associated with each observation" (III-G). We build one anyway. Vertices are the states, and the wheels say how far the robot moved.
+# Only a belief can say "in room 0, 1, 2 or 3". The paper decides against one: it would need "a unique state (e.g., global pose) associated with each observation" (III-G). We build one anyway. Vertices are the states, and the wheels say how far the robot moved.
 #
 # ### Predict
 #
-# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, a share of about $d/\ell_v$ leaves for small $d$, and never more than all. After two motions of $d$, as much must remain as after one of $2d$. Only one function does that:
+# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, a share of about $d/\ell_v$ leaves for small $d$, and at most all of it. After two motions of $d$, as much must remain as after one of $2d$. Only one function does that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
-# $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and the last row leads anywhere. $\bar b$ is the **[[prior]]**, what's believed before the next look. Drift hardly matters: only the *last* motion is used.
+# $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and the last row leads anywhere. $\bar b$ is the **[[prior]]**, what's believed before the next look. Odometry drift hardly matters: only the *last* motion is used.
 #
 # <details><summary>What's the prior after no motion at all? After a very large one?</summary>
 # Nothing leaves: the prior is the belief. After a very large motion, all of it has left, but crossed only one edge. So predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
@@ -373,7 +373,7 @@ def predict(belief, motion, lengths, onward):
 
     belief: array (N, V + 1), each row sums to 1.
     motion: array (N,), metres that each robot has moved.
-    lengths: array (V + 1,), metres of the edges of each state.
+    lengths: array (V + 1,), mean length of each state's edges, metres.
     onward: array (V + 1, V + 1); row v holds the probabilities of where a
     robot goes when it leaves state v, and sums to 1.
     Returns an array (N, V + 1).
@@ -410,10 +410,10 @@ def update(prior, likelihood):
     """The belief after a look, by Bayes' rule.
 
     prior: array (N, V + 1), each row sums to 1.
-    likelihood: array (N, V + 1), not negative, perhaps above 1: of what each
-    robot sees, if it is in each state.
+    likelihood: array (N, V + 1), not negative, perhaps above 1: how likely
+    each robot's view is in each state.
     Returns an array (N, V + 1), each row of which sums to 1; where nothing is
-    possible, all of it is in the last state.
+    possible, all belief is in the last state.
     """
     ### BEGIN SOLUTION
     weights = prior * likelihood
@@ -463,14 +463,14 @@ def bars(step, width=5.4):
 corridor = Prediction(
     "07",
     "corridor",
-    "It drives to the right, half a metre from look to look. At which vertex will one bar win?",
+    "It drives to the right, and looks every half metre. At which vertex will one bar win?",
     {"A": "at 2, two looks later", "B": "at 3, four looks later", "C": "at 4, six looks later"},
     right="B",
-    robot=f"at 2 it still believes {row_beliefs[2][2]:.2f} in 2 and {row_beliefs[2][6]:.2f} in 6; "
-    f"at 3 it's {row_beliefs[4][3]:.2f} in 3, and {row_beliefs[4][6]:.2f} in 6.",
+    robot=f"at 2 its belief is still {row_beliefs[2][2]:.2f} in 2 and {row_beliefs[2][6]:.2f} in "
+    f"6; at 3 it's {row_beliefs[4][3]:.2f} in 3 and {row_beliefs[4][6]:.2f} in 6.",
     tempting="A",
-    because="three looks are more than one. But 6 looks like 2, as 5 looks like 1. The d at 3 is the "
-    "first without a twin.",
+    because="three looks are more than one. But 6 looks like 2, as 5 looks like 1. The d at 3 is "
+    "the first letter without a twin.",
     before=bars(0),
     after=side_by_side([bars(2, 4.6), bars(4, 4.6)], ["at vertex 2", "at vertex 3"]),
 )
@@ -493,7 +493,7 @@ sliders(
 # %% [markdown]
 # ## 4 · Sequences
 #
-# The belief sums over *all* paths by which the robot may have come here. Sequence matching takes only the last few views and, of all paths, the *best* one; III-G asks for it, but doesn't say how. It needs no odometry. From one view to the next, the robot stayed at its vertex or came from the one before it on the drive.
+# The belief sums over *all* paths by which the robot may have come here. Sequence matching takes only the last few views and, of all paths, the *best* one; III-G asks for it, but doesn't say how. Ours needs no odometry: from one view to the next, the robot stayed at its vertex or came from the one before it on the drive.
 #
 # With $p_t(v)$ for the likelihood of view $t$ at vertex $v$, two views give $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$. With more views, the result so far replaces $p_1$.
 #
@@ -541,7 +541,7 @@ match_sequence = check_match_sequence.use(match_sequence)
 #
 # - **When to look?** A look costs a pass through the network, so the robot looks only now and then.
 # - **What does it learn while it stands still?** Nothing new. *The same evidence must not count twice*, or a minute facing a wall would make it sure of anything. So each update starts from the **prior after the last motion**, not from the belief.
-# - **Where is it, in a word?** At the state with the most belief. But two neighbours taking turns would make the answer flicker, so there's [[hysteresis]].
+# - **Where does it say it is?** At the state with the most belief. But two neighbours taking turns would make the answer flicker, so there's [[hysteresis]].
 #
 # Pictures may deceive, so each likelihood is at least `rules.least`; off the map it's `rules.unknown`. All are raised to the power `rules.sharpness`. Successive views repeat each other's evidence: a smaller power makes each count for less.
 
@@ -552,7 +552,7 @@ print(rules)
 # %% [markdown]
 # ### Exercise 4 · `track` (large, 35 minutes)
 #
-# At the start, nothing is known: the belief, which is also the first prior, is the same for all states, and the vertex is -1: off the map. At each step:
+# At the start, nothing is known: the belief, which is also the first prior, is the same for all states, and the vertex is -1 (off the map). At each step:
 #
 # 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that's at least `rules.stride`, predict from the *belief*; the result is the new prior, and `pose` is the new `last`.
 # 2. If it has moved that far, or this is the first step, or `rules.interval` steps have passed since the last look: look, and update from the *prior*.
@@ -570,7 +570,7 @@ def track(odometry, look, lengths, onward, rules):
     odometry: array (T, 3) of poses as the wheels measure them, metres and
     radians.
     look: look(step) returns an array (V,) of the likelihoods of what is seen
-    at that step; call it only where the robot looks, once.
+    at that step; call it once, and only where the robot looks.
     lengths, onward: as for predict.
     rules: rules.stride in metres, .interval in steps; .least, .unknown,
     .sharpness and .hysteresis have no unit.
@@ -696,18 +696,19 @@ def put_down(step):
 carried = Prediction(
     "07",
     "carried",
-    "In a moment it'll be carried to the light blue arrow. What will it believe a second later?",
+    "In a moment the robot will be carried to the light blue arrow. What will it believe a second "
+    "later?",
     {
         "A": "that it's still near where it was",
         "B": "that it's off the map",
         "C": "that it's near the light blue arrow",
     },
     right="B",
-    robot=f"{(noticed - cut) * STEP:.1f} s after it was carried it says that it's off the map. "
+    robot=f"{(noticed - cut) * STEP:.1f} s after it's carried off, it says that it's off the map. "
     f"After {(found - cut) * STEP:.1f} s it's right about its new place.",
     tempting="C",
     because="what it sees there is on the map. But belief moves along edges, and none leads there. "
-    "First the old place is contradicted; from off the map it may come back anywhere.",
+    "First the views contradict the old place; from off the map, belief may come back anywhere.",
     before=put_down(cut - 1),
     after=side_by_side(
         [put_down(step) for step in (noticed + 5, found)],
@@ -717,7 +718,7 @@ carried = Prediction(
 display(carried)
 
 # %% [markdown]
-# Now go through the whole drive. Watch how the belief begins in all the twin rooms at once, and when it settles on one of them.
+# Go through the whole drive. Watch how the belief begins in all twin rooms at once, and when it settles on one place.
 
 
 # %% hidden=true
@@ -782,7 +783,7 @@ title = "The belief changes its mind least, and says when it's lost"
 show(stacked([from_figure(figure)], [title]))
 
 # %% [markdown]
-# Argmax jumps from twin to twin. Sequences of four jump less, but remember only the last few metres. The belief begins in all twins at once, its ring a guess, and settles in the corridor.
+# Argmax jumps from twin to twin. Sequences of four jump less, but remember only the last few metres. The belief begins in all twins at once, so its ring is a guess, and settles in the corridor.
 #
 # [Over ten offices](../tutorial_lib/results/README.md#a-belief-over-vertices), whenever the robot is sure of its place, it's nearly always right. In corridors of identical doors, it's right in about half of the steps: no view tells one door from another.
 #
@@ -790,7 +791,7 @@ show(stacked([from_figure(figure)], [title]))
 #
 # **An open task.** Four numbers shape your robot's belief: `unknown`, `least`, `sharpness`, `hysteresis`. Too little doubt, and it swears it's in a room where it isn't. Too much, and it's off the map for ever.
 #
-# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**, above. In the chart, the robot is off the map where it's shaded pink, and it's carried at the dashed line; the green line is at 2.5 m. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
+# The score, per 100 steps: **right (within 2.5 m) is +1, off the map 0, wrong −1**. A perfect score is 100. You tune on **drive A**. In the chart, pink means off the map; the robot's carried off at the dashed line; the green line is at 2.5 m. The league scores on **drive B**, which you don't get to see: four other trips in a row, so your robot is carried off three times.
 
 # %% hidden=true
 # Drive A at four settings
@@ -861,18 +862,18 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good filters, quite different; enter yours first</summary>
-# <i>Believe slowly.</i> <code>sharpness=1, least=0.005, hysteresis=0.2</code>: successive views share evidence, so each should count for less. Then no twin wins by a few pixels. <i>Doubt soon.</i> <code>unknown=0.6, sharpness=2, hysteresis=0.9</code>: your robot is off the map much more often, and changes its vertex at once. That turns wrong steps into silent ones, and costs hardly any right ones. The best settings on drive A needn't be the best on drive B: whoever picks the best of many picks luck, too.
+# <i>Believe slowly.</i> <code>sharpness=1, least=0.005, hysteresis=0.2</code>: successive views share evidence, so each should count for less. Then no twin wins by a few pixels. <i>Doubt soon.</i> <code>unknown=0.6, sharpness=2, hysteresis=0.9</code>: your robot is off the map much more often, and changes its vertex at once. That turns wrong steps into steps off the map, and costs hardly any right ones. The best settings on drive A needn't be the best on drive B: whoever picks the best of many picks luck, too.
 # </details>
 #
 # ## 7 · Round and round
 #
-# A robot in a twin can't find its next photo, and plans again. The best plan may lead back to where it came from, and the next one forward again. So the robot must remember where it has been. The paper leaves that to future work (III-G): count the visits, and plan *around* what was visited often. The rules are ours.
+# A robot in the wrong twin can't find its next photo, and plans again. The best plan may lead back to where it came from, and the next one forward again. So the robot must remember where it has been. The paper leaves that to future work (III-G): count the visits, and plan *around* what was visited often. The rules are ours.
 #
 # Don't remove a vertex that was visited twice: the only way out of a dead end is the way in. Just make the edges to it less probable, so other paths come first.
 #
 # ### Exercise 5 · `around_cycles` (easy, 8 minutes)
 #
-# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter`, from Python's `collections`, is imported. Below, the robot drives with the library's version, which has more rules.
+# A *visit* is an arrival: a vertex that appears several times in a row in `visited` was visited once. `Counter` (from `collections`) is already imported. Below, the robot drives with the library's version, which has more rules.
 #
 # <details><summary>Hint 1: concept</summary>First drop immediate repetitions, then count, then build a new graph.</details>
 # <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list; the first one has none before it, and counts. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, in which an edge to w has its RE times a power of the bias.</details>
@@ -887,7 +888,7 @@ def around_cycles(graph, visited, cycle, bias):
     as it is.
     visited: list of the vertices at which the robot was, in order, perhaps
     empty.
-    cycle: so many visits of one vertex, or more, make a cycle.
+    cycle: this many visits to one vertex, or more, make a cycle.
     bias: a number from 0 to 1.
     Returns True or False, and a new graph (its inner dictionaries are new,
     too) with the same vertices and edges: RE of each edge to a vertex that was
@@ -911,7 +912,7 @@ around_cycles = check_around_cycles.use(around_cycles)
 # %% [markdown]
 # ## 8 · The same door, once more
 #
-# Here's the first screen's trip, with the map built by sequences, a belief, a count of visits, and as many plans as it takes. The robot still can't know which room it's in. Watch for when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
+# Here's the first screen's trip, with the map built by sequences, a belief, a count of visits, and as many plans as it takes. At first, the robot can't know which room it's in. Watch when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
 
 # %% hidden=true
 # The first screen's trip with all remedies (about 15 s)
@@ -996,7 +997,7 @@ display(remedy)
 # Sequences and the filter need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and more of the first plans begin in the right room, even if no second plan is allowed.
 # </details>
 # <details><summary>Do sequences and counting visits harm replanning?</summary>
-# Without the filter, the other three together reach less than replanning alone, and more of their trips run out of time. A likely reason: with sequences, twins are different places, so it matters in which one a plan begins. Without a belief, it often begins in the wrong one.
+# Without the filter, the other three together do worse than replanning alone, and more of their trips run out of time. A likely reason: with sequences, twins are different places, so it matters which one a plan begins in. Without a belief, it often begins in the wrong one.
 # </details>
 # <details><summary>So what good is counting visits?</summary>
 # It's insurance. When the belief says where plans begin, hardly any robot circles: about one in a hundred without counting, none with it. The price: plans around what was visited are longer.
@@ -1010,7 +1011,7 @@ display(remedy)
 # Here are two of yesterday's trips. Amber was planned, light blue was driven. What was wrong: the *map*, the *localization* or the *drive*? And which remedy would've helped?
 
 # %% hidden=true
-# Two of yesterday's trips that failed, one from room 0 and one from a twin
+# Two of yesterday's trips that failed, one from room 0 and one from its twin
 failed = np.flatnonzero(~yesterday.outcome.success)
 from_0 = trials.pairs[failed, 0] == ACROSS
 gallery, names = [], []
@@ -1027,7 +1028,7 @@ show(side_by_side(gallery, names))
 
 # %% [markdown]
 # <details><summary>What was wrong?</summary>
-# Not the map: both robots have the same plan, out of room 0 and along the corridor, and none of its edges is a wormhole. It's the localization, twice. The robot <i>from 2</i> thinks it's in room 0. Planning again doesn't save it: with that alone, it runs out of time. The one <i>from 0</i> is right about its room. But in the corridor it takes one door for another, and jumps 6 m ahead in its plan. Here, planning again is enough. With all remedies, both arrive.
+# Not the map: both robots have the same plan, out of room 0 and along the corridor, and none of its edges is a wormhole. It's the localization, twice. The robot <i>from 2</i> thinks it's in room 0. Planning again doesn't save it: with that remedy alone, it runs out of time. The one <i>from 0</i> is right about its room. But in the corridor it takes one door for another, and jumps 6 m ahead in its plan. Here, planning again is enough. With all remedies, both arrive.
 # </details>
 #
 # Does a robot with all remedies fail in these three cases?

@@ -37,7 +37,7 @@ SENTENCES = {
     "more of the first plans begin in the right room": (
         ROWS["no_replan"]["low"] > ROWS["none"]["high"]
     ),
-    "the other three together reach less than replanning alone": (
+    "the other three together do worse than replanning alone": (
         ROWS["no_filter"]["high"] < ROWS["replan"]["low"]
     ),
     "more of their trips run out of time": ROWS["no_filter"]["late"] > ROWS["replan"]["late"],
