@@ -197,12 +197,12 @@ hops = Prediction(
     "hops",
     f"Each amber hop is about {each:.1%} sure. How sure is it that all "
     f"{len(amber.probabilities)} work?",
-    {"A": "about 70 %", "B": "about 85 %", "C": "about 96 %", "D": "about 99 %"},
-    right="C",
+    {"P": "about 70 %", "Q": "about 85 %", "R": "about 96 %", "S": "about 99 %"},
+    right="R",
     robot=f"it multiplies: {' · '.join(f'{p:.3f}' for p in amber.probabilities)} = "
     f"{amber.probability:.2f}. Green's two hops have only {from_d[lure]:.2f} · "
     f"{to_photo[lure]:.3f} = {green:.2f}. So it takes amber.",
-    tempting="D",
+    tempting="S",
     because="each hop is that sure. But one failure is enough, and every hop has its own chance.",
     before=two_paths(),
 )

@@ -134,10 +134,10 @@ panoramas = stacked([around(in_hallway, names=WAYS), around(at_goal)], ["here", 
 ways = Prediction(
     "09",
     "ways",
-    "Which way leads to the goal?",
+    "Which direction leads to the goal?",
     {"A": "the one on the left", "B": "the one ahead", "C": "the one on the right"},
     right="C",
-    robot="it guesses a score for each way, the higher the nearer: "
+    robot="it guesses a score for each direction, the higher the nearer: "
     + ", ".join(f"{name} {scores[0, k]:.2f}" for name, k in WAYS.items())
     + f". So it takes {guess}. Via A it's {drives[0, WAYS['A']]:.0f} m to the goal, via B "
     f"{drives[0, WAYS['B']]:.0f} m, via C {drives[0, WAYS['C']]:.0f} m.",
