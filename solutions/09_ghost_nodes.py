@@ -5,7 +5,7 @@
 #
 # For this trip your robot has another body. It turns on the spot, and its camera sees all around. Three directions lead on: A, B and C. *Which one would you take?*
 #
-# By the end, your robot will find such a place, running your code. You'll find out what its best guess is worth, and then teach it your own.
+# By the end, your robot will find such a place, running your code. You'll measure what its best guess is worth, and then teach it one of yours.
 
 # %% hidden=true
 # The flat, and three ways (about 10 s)
@@ -137,7 +137,7 @@ ways = Prediction(
     "Which direction leads to the goal?",
     {"A": "the one on the left", "B": "the one ahead", "C": "the one on the right"},
     right="C",
-    robot="it guesses a score for each direction, the higher the nearer: "
+    robot="it guesses a score for each direction, the higher the nearer the goal: "
     + ", ".join(f"{name} {scores[0, k]:.2f}" for name, k in WAYS.items())
     + f". So it takes {guess}. Via A it's {drives[0, WAYS['A']]:.0f} m to the goal, via B "
     f"{drives[0, WAYS['B']]:.0f} m, via C {drives[0, WAYS['C']]:.0f} m.",
@@ -158,7 +158,7 @@ display(ways)
 # Good edges fail now and then, when somebody walks by. One failure lowers the belief in the edge; it's deleted once the evidence is against it.
 # </details>
 # <details><summary>Notebook 07: two rooms look alike. How can a robot still find out where it is?</summary>
-# It keeps a belief over all places and updates it as it drives. Sooner or later a view fits only one of them.
+# It keeps a belief over all places and updates it as it drives. Sooner or later a view fits only one of the rooms.
 # </details>
 # <details><summary>Notebook 06: RE's prediction for the goal must be far above one half before the robot starts. Why?</summary>
 # A planner takes the best of many vertices, and the best of many is often a lucky mistake.
@@ -166,9 +166,9 @@ display(ways)
 #
 # ## 1 · Watch it look
 #
-# This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its wheels and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
+# This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its motion and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. It's a little off, since the arrowhead stands where the wheels say the robot is. Dark dots are where it looked around; the deeper the pink of a dot, the more promising it looks. The amber ring is where it's going. The compass rose has a bar for each of twelve directions, numbered from 0, straight ahead, round to the left: the longer, the better. Bars are pink where there's a pink dot, amber where it's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. It's drawn by odometry, so it's a little off; the arrowhead is the robot. Dark dots are where the robot looked around. Pink dots look promising, the more so the deeper the pink. The amber ring is where it's going. The compass rose has a bar for each of twelve directions, numbered from 0, straight ahead, round to the left: the longer a bar, the better. A bar is pink where there's a pink dot, amber where the robot's going.
 #
 # The cell takes about 5 s. Move the slider, and guess where the goal is. Only then choose *shown*.
 
@@ -278,11 +278,11 @@ shots = [episode_at(step, "shown")[0] for step in (last // 2, last)]
 display(show(side_by_side(shots, [f"step {last // 2}", f"step {last}"], height=430)))
 print(
     f"{robot_name()} needed {int(done.steps[0])} actions and {done.travelled[0]:.0f} m; "
-    f"the shortest path has {hard.shortest[chosen]:.0f} m"
+    f"the shortest path is {hard.shortest[chosen]:.0f} m"
 )
 
 # %% [markdown]
-# What's odd? Until it sees the goal, it never heads for it. It heads for pink dots: unexplored places 3 m from a dark dot.
+# What's odd? Until the robot sees the goal, it never heads for it. It heads for pink dots: unexplored places 3 m from a dark dot.
 #
 # A pink dot is a **[[ghost node]]**: a direction that may lead on. It belongs to a dark dot: a **[[node]]**, which stores a panorama. When the robot gets to a ghost, the ghost becomes a node, with ghosts of its own. The ghosts it didn't take stay where they are: *they're* its memory of the doors it passed.
 #
@@ -294,7 +294,7 @@ print(
 #
 # $$ \mathcal F_L(I_N, I) = P\big(\lVert x_I - x_N \rVert \le r \ \text{and}\ x_I\ \text{is visible from}\ x_N\big). $$
 #
-#   It also says whether the *goal* is in sight. It must be [[calibrated]]: the robot acts on anything above one half.
+#   $\mathcal F_L$ also says whether the *goal* is in sight. It must be [[calibrated]]: the robot acts on anything above one half.
 #
 # - **$\mathcal F_G$: which directions lead on?** It says yes or no to each of 12, and never looks at the goal: a door is a door.
 #
@@ -339,7 +339,7 @@ show(side_by_side(panels, titles))
 #
 # $$ g_k = \big[\, \ell(p_k) \le 1.05\, r \,\big], \qquad p_k = r\,(\cos 30° k,\ \sin 30° k), $$
 #
-# where $[\cdot]$ is 1 if what it holds is true, else 0, and $\ell$ is the length of the shortest path from the robot to a point on that map, infinite if there's none.
+# where $[\cdot]$ is 1 if the statement inside is true, else 0, and $\ell$ is the length of the shortest path from the robot to a point on that map, infinite if there's none.
 #
 # <details><summary>Why not just ask whether the point is visible? Or whether any path leads there?</summary>
 # A robot has a width: it may see the point through a gap in which it would get stuck. And a doorpost that blocks the line by a hand's breadth does no harm, since a small detour leads around it. But a path that leaves by another door and goes around the house says nothing about <i>this</i> direction.
@@ -347,9 +347,9 @@ show(side_by_side(panels, titles))
 #
 # ### Exercise 1 · `explorable` (easy, 10 minutes)
 #
-# `path_lengths(free)` is given: it returns an array (S, S) with $\ell$ of each cell in metres, `inf` where no path leads. The robot is in the middle cell, `(S // 2, S // 2)`, and S is odd; a cell is `CELL` (0.1) metres wide; columns go with x (ahead), rows with y (to the left).
+# `path_lengths(free)` is given: it returns an array (S, S) with $\ell$ of each cell in metres, `inf` where there's no path. The robot is in the middle cell, `(S // 2, S // 2)`, and S is odd; a cell is `CELL` (0.1) metres wide; columns grow with x (ahead), rows with y (to the left).
 #
-# <details><summary>Hint 1: concept</summary>Twelve points on a circle, the cell of each, and a comparison of twelve lengths with one number.</details>
+# <details><summary>Hint 1: concept</summary>Find twelve points on a circle and the cell of each, and compare twelve lengths with one number.</details>
 # <details><summary>Hint 2: approach</summary>np.arange(12) * np.pi / 6 are the bearings. Their cosines, times the radius, divided by CELL, and rounded, are columns counted from the middle; sines give rows. An array of rows and one of columns index twelve cells at once.</details>
 # <details><summary>Hint 3: one line</summary>np.rint(...).astype(int) turns an array into whole numbers; table[rows, columns] looks up as many entries as rows has.</details>
 
@@ -417,15 +417,15 @@ small = Prediction(
     "09",
     "small",
     "Dark is where the robot's middle can't be; white is free, or not seen. The robot, drawn "
-    "large, is in the middle of a circle of 3 m. At which place does no direction lead on?",
+    "large, is in the middle of a circle of radius 3 m. Where does no direction lead on?",
     {"A": "at A", "B": "at B", "C": "at C", "D": "at none of them"},
     right="B",
     robot=f"of 60 places in the flat, {(counts == 0).sum()} have no direction that leads on. "
     f"F_G, which sees the panoramas, agrees with your function in "
     f"{(by_geometry == by_network).mean():.0%} of all directions.",
     tempting="D",
-    because="every room has a door, and the robot sees it. But through it, a nearly straight "
-    "path must reach one of twelve points, 3 m away.",
+    because="every room has a door, and the robot sees it. But a nearly straight path through "
+    "the door must reach one of twelve points, 3 m away.",
     before=side_by_side([local_picture(free_maps[i]) for i in three], ["A", "B", "C"]),
     after=stacked(
         [
@@ -437,7 +437,7 @@ small = Prediction(
 display(small)
 
 # %% [markdown]
-# A small room may therefore have *no* ghost: the radius that suits the paper's homes is too large for it. So the library also has a [[reserve list]], an idea of ours: the directions that lead on for at least a metre but have no ghost. When no ghost is left, it turns to that list. Your loop in exercise 5 has no such list; section 9 shows what that costs.
+# A small room may therefore have *no* ghost: the radius that suits the paper's homes is too large for it. So the library's agent also has a [[reserve list]], an idea of ours: the directions that lead on for at least a metre but have no ghost. When no ghost is left, it turns to that list. Your loop in exercise 5 has no such list; section 9 shows what that costs.
 #
 # ## 4 · A new node
 #
@@ -495,7 +495,7 @@ display(gone)
 #
 # ### Exercise 2 · `add_ghosts` (medium, 12 minutes)
 #
-# A node stands in the direction whose bin is nearest to its bearing, `np.arctan2(y, x)`. Bins are 30° wide and centred on multiples of 30°; a bearing of 350° is in bin 0, and so is one of −10°.
+# A node's direction is the bin in which its bearing, `np.arctan2(y, x)`, falls. Bins are 30° wide and centred on multiples of 30°; a bearing of 350° is in bin 0, and so is one of −10°.
 #
 # <details><summary>Hint 1: concept</summary>Begin with a copy of the ghosts, add, then take away: for every node beside the new one, two ghosts may have to go, one at each end.</details>
 # <details><summary>Hint 2: approach</summary>For each node in beside, with its pose: the new node sees it at pose, and it sees the new node at inverse(pose). In both cases the first two numbers are a place, whose bearing is rounded to a bin. A set's discard method does nothing if the ghost isn't there.</details>
@@ -509,8 +509,8 @@ def add_ghosts(ghosts, node, explorable, beside):
     ghosts: set of pairs (node, direction); it stays as it is.
     node: number of the new node.
     explorable: array (12,) of True and False, of the new node's directions.
-    beside: dictionary, for each node beside the new one its pose (3,), x, y
-    and heading, in the frame of the new node.
+    beside: dictionary; for each node beside the new one, its pose (3,): x, y
+    and heading in the frame of the new node.
     Returns a new set of pairs.
     """
     ### BEGIN SOLUTION
@@ -533,7 +533,7 @@ add_ghosts = check_add_ghosts.use(add_ghosts)
 
 # %%
 def remove_between(ghosts, first, second, pose):
-    """The colleague's ghosts after an edge; pose (3,) is second in first's frame."""
+    """The colleague's ghosts after an edge; pose (3,) is second's, in first's frame."""
     there = round(np.arctan2(pose[1], pose[0]) * 6 / np.pi) % 12
     back = (there + 6) % 12
     return ghosts - {(first, there), (second, back)}
@@ -555,7 +555,7 @@ for story_of, _ in stories:
             fair[name] += {g for g in hers if g[0] == node} == {g for g in yours if g[0] == node}
 head = {"removed on the side of": "", "right": "d", "of edges": "d"}
 display(table(head, [[name, right, edges] for name, right in fair.items()]))
-print(f"the two nodes of an edge are turned by {np.rad2deg(np.mean(turned)):.0f}° on average")
+print(f"headings at the ends of an edge differ by {np.rad2deg(np.mean(turned)):.0f}° on average")
 
 # %% [markdown]
 # <details><summary>Answer</summary>
@@ -625,7 +625,7 @@ def choice_picture(chosen=None):
 where = Prediction(
     "09",
     "where",
-    "Blue: the robot. Where will it go?",
+    "The robot is blue. Where will it go?",
     {"A": "to A", "B": "to B", "C": "to C"},
     right="B",
     robot=f"it goes to B, {off[taken]:.0f} m along the graph. A is {off[nearest]:.0f} m away, and its "
@@ -648,10 +648,10 @@ display(where)
 #
 # $$ \arg\max_{x \in X}\; s(x) - w\, \frac{\ell(x)}{20\ \text{m}} , $$
 #
-# and $w = 0$ is the paper's rule.
+# where $w = 0$ gives the paper's rule.
 #
 # <details><summary>If the scores were exact, which w would be best? And if they were noise?</summary>
-# Exact scores: the whole path is the metres to the ghost plus 20 m (1 − s) from there on, so both count the same: w = 1 (but for the 3 m from node to ghost). Noise: only the cost is known, and a large w, which picks the nearest ghost, at least avoids going to and fro. In between, w has to be tuned, but not on the test worlds.
+# With exact scores, the whole path is the metres to the ghost plus 20 m (1 − s) from there on, so both count the same: w = 1 (but for the 3 m from node to ghost). With noise, only the cost is known, and a large w, which picks the nearest ghost, at least avoids going to and fro. In between, w has to be tuned, but not on the test worlds.
 # </details>
 #
 # ### Exercise 3 · `global_policy` (medium, 10 minutes)
@@ -673,10 +673,10 @@ def global_policy(graph, here, ghosts, scores, goal=None, weight=0.0):
     scores: dictionary, a score for each pair (node, direction), even for
     pairs that aren't ghosts.
     goal: the node in which the goal was localised, or None.
-    weight: of the metres along the graph to a ghost's node, divided by 20,
-    against its score.
-    Returns the next node on the shortest path, which is `here` at its end, and
-    the ghost at its end; None for the ghost if the path leads to the goal's
+    weight: w, the weight of the metres along the graph to a ghost's node
+    divided by 20.
+    Returns the next node on the shortest path, which is `here` if it ends here,
+    and the ghost at its end; None for the ghost if the path leads to the goal's
     node. With neither goal nor ghosts: `here` and None.
     """
     ### BEGIN SOLUTION
@@ -700,7 +700,7 @@ global_policy = check_global_policy.use(global_policy)
 #
 # ### What's a find worth?
 #
-# *Success* alone doesn't say whether a robot searched or knew the way. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, else 0. With $\ell_i$ for the shortest path and $p_i$ for the distance travelled,
+# *Success* alone doesn't say whether a robot searched or knew the way. **[[SPL]]**, success weighted by path length ([P. Anderson et al. 2018](https://arxiv.org/abs/1807.06757)), does. Let $S_i$ be 1 if episode $i$ succeeded, else 0. With $\ell_i$ for the length of the shortest path and $p_i$ for the distance travelled,
 #
 # $$ \text{SPL} = \frac1N \sum_i S_i\, \frac{\ell_i}{\max(p_i, \ell_i)} . $$
 #
@@ -712,7 +712,7 @@ global_policy = check_global_policy.use(global_policy)
 #
 # ### Exercise 4 · `spl` (easy, 4 minutes)
 #
-# <details><summary>Hint 1: concept</summary>A ratio for each episode, zero where it failed, and the mean over all.</details>
+# <details><summary>Hint 1: concept</summary>Compute a ratio for each episode, zero where it failed, and take the mean.</details>
 # <details><summary>Hint 2: approach</summary>np.maximum compares two arrays, element by element. True counts as 1 and False as 0 in a product.</details>
 # <details><summary>Hint 3: one line</summary>np.mean(a * b) is the mean of the products; what are a and b here?</details>
 
@@ -747,21 +747,21 @@ spl = check_spl.use(spl)
 # | `robot.node()` | $\mathcal F_L$: the number of the node it's in, or None |
 # | `robot.beside()` | poses, in its frame, of the nodes beside it, including the one it came from, as `add_ghosts` takes them |
 # | `robot.explorable()`, `robot.scores()` | $\mathcal F_G$ and $\mathcal F_S$: arrays (12,) |
-# | `robot.remember(node)` | keeps what it sees here as the panorama of a new node; number them 0, 1, 2, … |
-# | `robot.to_node(node)` | drives to a neighbour of the node where it is; `node()` then tells where it got |
+# | `robot.remember(node)` | keeps what it sees here as the panorama of a new node; number nodes 0, 1, 2, … |
+# | `robot.to_node(node)` | drives to a neighbour of the node where it is; `node()` then says where it ended up |
 # | `robot.to_ghost(ghost)` | drives to a ghost of the node where it is; True if it arrives, False if it can't |
 #
 # ### Exercise 5 · `explore` (large, 35 minutes)
 #
 # Round by round, until `robot.steps` is 0:
 #
-# 1. If it sees the goal, drive there; if that returns True, you're done. Otherwise, go on to step 2.
-# 2. Which node is it in? If none, **or if it's just arrived at a ghost**, make a new one: a node of the graph, an edge with its `metres` to each node beside it, the ghosts by `add_ghosts`, and a score for each of its directions; then `remember`.
-# 3. Ask `global_policy` for the next node, without a goal: the robot would know the goal's node only once it sees it. If no ghost is left, you're done. If the next node is another one, drive there, and begin the next round.
+# 1. If it sees the goal, drive there; if that returns True, you're done. Otherwise, go on.
+# 2. Which node is it in? If none, **or if it's just arrived at a ghost**, make a new one: add it to the graph, with an edge and its `metres` to each node beside it; update the ghosts by `add_ghosts`; store a score for each direction; then `remember` it.
+# 3. Ask `global_policy` for the next node, without a goal: the robot can't know the goal's node before it sees the goal. If no ghost is left, you're done. If the next node is another one, drive there, and begin the next round.
 # 4. Otherwise, the ghost belongs to this node: drive to it. Reached or not, remove the ghost: it's explored, or can't be reached.
 #
 # <details><summary>Which of these rules aren't the paper's?</summary>
-# Two in step 2: an edge to <i>each</i> node beside it, and a node at a ghost even where F_L has the robot in the old one. The old node may see those three metres, but not what lies behind.
+# Two in step 2: an edge to <i>each</i> node beside it, and a node at a ghost even where F_L says the robot's still in the old one. The old node may see those three metres, but not what lies beyond.
 # </details>
 #
 # <details><summary>Hint 1: concept</summary>Four things are remembered from round to round: the graph, the ghosts, the scores, and whether the robot has just arrived at a ghost.</details>
@@ -879,7 +879,7 @@ show(stacked([picture], ["Your loop's graph; the arrow is the start"]))
 #
 # ## 7 · What does the score know?
 #
-# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours doesn't: accents on the walls. Their hue changes from one end to the other, as in a hospital. We call such buildings [[wayfinding]], and those without accents [[plain]].
+# *Can* $\mathcal F_S$ know where the goal is? Your friend's flat has something that yours doesn't: accents on the walls. Their hue changes along the flat, as in a hospital. We call such buildings [[wayfinding]], and those without accents [[plain]].
 
 # %% hidden=true
 # The same flat with and without accents
@@ -941,7 +941,7 @@ blind = Prediction(
     f"in {blind_hard:.0%}. Seeing the goal is worth nothing.",
     tempting="B",
     because="the goal helps everywhere else. But look how its worth shrinks with the distance. "
-    "Behind several doors, nothing in a panorama says where the goal is.",
+    "If the goal's behind several doors, nothing in a panorama says where.",
     before=scores_chart(),
     after=scores_chart(
         True, ("Plain: no help on hard decisions", "Wayfinding: it helps at any distance")
@@ -959,12 +959,12 @@ display(blind)
 # Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions, next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard decisions, the model that knows the goal finds the best direction in 70 % of cases in wayfinding buildings, and in 51 % in plain ones. These models choose at other places and see no panoramas, so compare only their gains with the chart's. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
 # </details>
 # <details><summary>Then why does F_S help in the paper, whose homes have no accents?</summary>
-# A likely reason: homes aren't laid out at random. A bathroom is next to bedrooms, a kitchen next to the dining room, and wherever a room's place depends on its kind, its kind says something about places. In the paper's Table 1, the advantage over the next best agent is largest on hard episodes. It's the <i>buildings</i> that carry the semantics; a network can only pick up what's there.
+# A likely reason: homes aren't laid out at random. A bathroom is next to bedrooms, a kitchen next to the dining room, and wherever a room's place depends on its kind, one room says something about where others are. In the paper's Table 1, the advantage over the next best agent is largest on hard episodes. The <i>buildings</i> carry the semantics; a network can only pick them up.
 # </details>
 #
 # ### Ten goals in a row
 #
-# This is the twin of the paper's Fig. 8. The robot gets ten goals in a row, each 1.5 to 5 m from the last, and keeps its graph. Two others each lack a part: *no graph* takes the best score in sight and remembers nothing, and *no score* picks a ghost at random. Watch which part matters where.
+# This is the twin of the paper's Fig. 8. The robot gets ten goals in a row, each 1.5 to 5 m from the last, and keeps its graph. Two other robots each lack a part: *no graph* takes the best score in sight and remembers nothing, and *no score* picks a ghost at random. Watch which part matters where.
 
 # %% hidden=true
 # The twin of Fig. 8, from a stored run
@@ -997,7 +997,7 @@ show(from_figure(figure))
 #
 # ## 8 · Your own score
 #
-# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the highest; all else is the library's. Your score earns **100 · SPL** on hard episodes in four unseen buildings, two of them plain. A random ghost earns far less than the library's score, an oracle nearly 100, so there's room. You're given, for G ghosts:
+# **An open task.** Write `my_score`: a number for each ghost. The robot goes to the ghost with the highest; the rest is the library's. Your score earns **100 · SPL** on hard episodes in four unseen buildings, two of them plain. Picking ghosts at random earns far less than the library's score, an oracle nearly 100. You're given, for G ghosts:
 #
 # | each is (G,) | |
 # |---|---|
@@ -1181,12 +1181,12 @@ show(stacked(rows)) if rows else print("None failed; draw more episodes.")
 
 # %% [markdown]
 # <details><summary>What causes them?</summary>
-# <b>Out of steps</b> is the most frequent end. Scores of far places are guesses, and a robot that follows the best guess goes to and fro between ghosts with similar scores; or the score stays wrong, and the robot is thorough in the wrong wing. A robot that passes the goal without seeing it ends like this, too: behind furniture, a goal isn't visible from every place within 3 m. <b>No ghost left</b> happens to your loop, not to the library's agent: where no direction leads on by the paper's definition (section 3), your loop ends, and the agent goes on with its reserve list. <b>Stopped elsewhere</b> can happen if the network mistakes another place for the goal's (F_L) or gets its distance wrong (F_R); mostly, such errors are corrected on the way, at closer range.
+# <b>Out of steps</b> is the most frequent end. Scores of far places are guesses, and a robot that follows the best guess goes to and fro between ghosts with similar scores; or the score stays wrong, and the robot is thorough in the wrong wing. A robot that passes the goal without seeing it ends like this, too: behind furniture, a goal isn't visible from every place within 3 m. <b>No ghost left</b> happens only to your loop: where no direction leads on by the paper's definition (section 3), the library's agent goes on with its reserve list. <b>Stopped elsewhere</b> can happen if the network mistakes another place for the goal's (F_L) or gets its distance wrong (F_R); mostly, closer views correct such errors on the way.
 # </details>
 #
 # ## 10 · The next evening
 #
-# When the episode ends, the robot forgets the flat. What a waste! Its run is a drive like those of notebook 05, and 06's agent can build a map from it. Cut two images out of each panorama, one ahead and one **over the shoulder**, and it also knows the path back. On the next visit it plans over that map, and when the planner refuses, today's explorer takes over.
+# When the episode ends, the robot forgets the flat. What a waste! Its run is a drive like those of notebook 05, and 06's agent can build a map from it. Cut two images out of each panorama, one ahead and one **over the shoulder**, and the map has the path back, too. On the next visit the robot plans on it, and when the planner refuses, today's explorer takes over.
 #
 # Here are second visits to twenty plain buildings. The robot passed some of the goals on its first visit.
 
@@ -1230,8 +1230,8 @@ together = Prediction(
     robot=f"it reaches {both_at:.0%} of the goals that it passed, and "
     f"{second['elsewhere', 'both']:.0%} of the others.",
     tempting="A",
-    because="that's in the middle. But nobody averages here: the explorer is called when the map "
-    "gives up, so both have to fail.",
+    because="that's in the middle. But nobody averages here: the explorer takes over when the map "
+    "gives up, so a goal is lost only if both fail.",
     before=visits_chart(("memory", "explorer"), "Each of the two alone"),
     after=visits_chart(("memory", "explorer", "both"), "Goals that it passed: together they win"),
 )
@@ -1288,11 +1288,11 @@ show(stacked(rows))
 # - find out whether a score knows anything: train one blind, and compare.
 #
 # <details><summary>What's ours</summary>
-# Ghosts, the four functions and the global policy are the paper's. But a paper leaves gaps, and we've changed some of its rules; the <a href="../tutorial_lib/results/README.md#what-is-ours-in-nts">results page</a> has the whole list with its numbers.
+# Ghosts, the four functions and the global policy are the paper's. But a paper leaves gaps, and we've changed some of its rules; the <a href="../tutorial_lib/results/README.md#what-is-ours-in-nts">results page</a> has the whole list.
 # <ul>
-# <li><b>Am I here?</b> The robot asks F_L about its own node first, then about at most four nearby. The paper asks about every node. In validation buildings it made no difference.</li>
-# <li><b>Edges to a known node</b> get their pose from F_R; the paper takes odometry. No difference either.</li>
-# <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. This rule matters: without it, success on hard goals falls from 71 to 39 % in plain buildings, and from 88 to 37 % in wayfinding ones.</li>
+# <li><b>Am I here?</b> The robot asks F_L about its own node first, then about at most four nearby. The paper asks about every node. In validation buildings this made no difference.</li>
+# <li><b>Edges to a known node</b> get their pose from F_R; the paper takes odometry. That made no difference, either.</li>
+# <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. Without this rule, success on hard goals falls from 71 to 39 % in plain buildings, and from 88 to 37 % in wayfinding ones.</li>
 # <li><b>When ghosts go:</b> a node within a metre removes them, and so does one in sight in their direction, even without an edge. When none are left, there's the reserve list.</li>
 # <li><b>The goal:</b> several guesses at its place are averaged, a place where it isn't seen is rejected, and the robot stops 0.6 m away by its own estimate.</li>
 # <li><b>The network</b> matches the columns of two panoramas and learns from more than the paper's five losses, among them one for the order of directions.</li>
@@ -1302,4 +1302,4 @@ show(stacked(rows))
 #
 # **Extras, if you like.** Call `global_policy` with `weight=0.3` in `explore`: do detours get shorter? Give `explore` a reserve list of the directions in which `robot.explorable()` is False: what does that save? On frontiers, read B. Yamauchi, [*A Frontier-Based Approach for Autonomous Exploration*](https://doi.org/10.1109/CIRA.1997.613851), CIRA 1997.
 #
-# Tonight your robot found its way in a flat it had never seen, and on its second visit it remembered the first. But only that one: what it sees on the second is lost again. After ten days in a building, it would know only what it knew after one. In notebook 10, it remembers all ten.
+# Tonight your robot found its way in a flat it had never seen, and on its second visit it remembered the first. But what it sees on the second is lost again. After ten days in a building, it would know only what it knew after one. In notebook 10, it remembers all ten.

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 10 · Ten visits
 #
-# **Ten photos, one life.** You've moved in together. Every evening you hold up a photo, and your robot drives there from wherever it stands. Nobody tells it where it is, and its odometry drifts all its life.
+# **Ten photos, one life.** Your robot has moved in. Every evening you hold up a photo, and it drives there from wherever it stands. Nobody tells it where it is, and its odometry drifts all its life.
 #
 # Two robots try, both with yesterday's ghosts. One **keeps its map** from visit to visit. The other **forgets** everything with each new photo. On their first three visits, they're about equal. *And on the last three?*
 #
@@ -125,7 +125,7 @@ memory = Prediction(
     right="B",
     robot=f"with its map it finds {kept_last['success']:.0%} of the last three goals, SPL "
     f"{kept_last['spl']:.2f}. Without, it's {forgets_last['success']:.0%} and "
-    f"{forgets_last['spl']:.2f}. Thirty lives in ten buildings that it had never seen say so.",
+    f"{forgets_last['spl']:.2f}. That's from thirty lives in ten buildings it had never seen.",
     tempting="A",
     because="it knows the building better with every visit, so it should win. It would, if its "
     "memory stayed true.",
@@ -143,7 +143,7 @@ display(memory)
 # The pose of one in the frame of the other, by odometry. They're a few metres apart, so drift is small. <i>Is it?</i>
 # </details>
 # <details><summary>Notebook 08: an edge of the map is wrong. How does the robot find out?</summary>
-# It drives along the edge, and fails; each failure lowers its belief in it.
+# It drives along the edge, and fails; each failure lowers its belief in the edge.
 # </details>
 # <details><summary>Notebook 01: <code>compose(a, b)</code> is a pose. Of what, in which frame?</summary>
 # Of whatever is at b as seen from a, in the frame in which a is given. The order matters.
@@ -151,7 +151,7 @@ display(memory)
 #
 # ## 1 · One life
 #
-# Here's one life of your robot in your flat. It keeps its map, and has 300 actions for each photo. Of four such lives, drift hurts most in this one. The robot is drawn where it is, and its nodes, dark dots, **where they'd be if its odometry were right**. After one visit, all are within a metre of where they should be.
+# Here's one life of your robot in your flat. It keeps its map, and has 300 actions for each photo. Of four such lives, drift hurts most in this one. The robot is drawn where it really is, and its nodes, the dark dots, **where they'd be if its odometry were right**. After one visit, all are within a metre of where they should be.
 
 
 # %% hidden=true
@@ -233,7 +233,7 @@ compass = Prediction(
     {"A": "hardly more than after visit 4", "B": "about 50°", "C": "far more than 50°"},
     right="C",
     robot=f"its heading is off by {turned[VISITS]:.0f}°, and half of its nodes by more than "
-    f"{off_by(VISITS):.1f} m. Nothing ever takes back what its odometry gets wrong.",
+    f"{off_by(VISITS):.1f} m. Nothing ever corrects what its odometry gets wrong.",
     tempting="B",
     because="that's where the line from visit 1 to visit 4 leads. But a robot with a wrong map gets "
     "lost, and looks around; and with every left turn, its heading is off by 0.2° more.",
@@ -243,13 +243,13 @@ compass = Prediction(
 display(compass)
 
 # %% [markdown]
-# Vermilion nodes are more than a metre off; the thin lines lead to where they really are. An edge still spans a few metres of odometry. But each was recorded with a different heading error, and a chain of edges adds them up. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
+# Vermilion nodes are more than a metre off; thin lines lead to where they are. An edge still spans only a few metres of odometry. But each was recorded with a different heading error, and along a chain of edges the errors add up. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
 #
 # What's odd? The robot passes its old nodes all the time. It *recognises* them: notebook 09's $\mathcal F_L$ says whether a panorama belongs to a node. But recognising a place doesn't tell you *your pose in it*.
 #
 # ## 2 · What the walls say
 #
-# The panorama has depth, so each node also keeps a **[[scan]]**: the distance to the wall in 192 directions. When the robot is near that node again, its own scan shows the same walls, from a metre away and turned. Align the two, and you know where the robot is. That's a **[[scan match]]**; back at an old node, it gives you a **[[loop closure]]**.
+# The panorama has depth, so each node also keeps a **[[scan]]**: the distance to the wall in 192 directions. When the robot is near that node again, its new scan shows the same walls, shifted and turned. Align the two, and you know where the robot is. That's a **[[scan match]]**; back at an old node, it gives you a **[[loop closure]]**.
 #
 # Grey is a node and its scan, blue the robot and its own. In all three places, blue is **half a metre off**.
 
@@ -366,19 +366,19 @@ slides = Prediction(
 display(slides)
 
 # %% [markdown]
-# In a corridor, a scan **slides**: every place looks like the next. A match can be perfect and say nothing. So there are three questions, each for a function of yours: where do the scans fit? Can that be believed? And what follows for the robot?
+# In a corridor, a scan **slides**: every place looks like the next. A match can be perfect and say nothing. So there are three questions, each for a function of yours: where do the scans fit? Can the match be believed? And what follows for the robot?
 #
-# One thing is given: `fit(node, seen, poses)` scores poses (P, 3), each from 0 to 1. A score of 1 means that blue lies on grey, and grey on blue.
+# One thing is given: `fit(node, seen, poses)` scores poses (P, 3), each from 0 to 1. A 1 means that blue lies on grey, and grey on blue.
 #
 # ### Exercise 1 · `match` (large, 30 minutes)
 #
-# Odometry gives a guess of the robot's pose in the node's frame. The guess is nearly always within 0.5 m and 15°; try no farther. Find the pose near it that fits best, to within 0.1 m and 3°.
+# Odometry gives a guess of the robot's pose in the node's frame. The guess is nearly always right to within 0.5 m and 15°, so search no farther. Find the pose near it that fits best, to within 0.1 m and 3°.
 #
-# Trying everything in steps of 5 cm and 1° would take 13,000 poses. Your robot matches hundreds of times in its life, so you can afford about a thousand poses each time. How do you get up the hill? There's more than one way.
+# Trying everything in steps of 5 cm and 1° would take 13,000 poses. Your robot matches hundreds of times in its life, so you can afford about a thousand each time. How do you get to the peak? There's more than one way.
 #
-# <details><summary>Hint 1: concept</summary>The hill is wide enough to be noticed 0.15 m and 5° from its top. So search coarsely first, then more finely around the best so far.</details>
+# <details><summary>Hint 1: concept</summary>The peak is wide enough to be noticed 0.15 m and 5° from its top. So search coarsely first, then more finely around the best so far.</details>
 # <details><summary>Hint 2: approach</summary>Five values each of x, y and heading give 125 poses: np.meshgrid or three loops make them. Take the best with argmax, halve the steps, and repeat a few times. The first poses must reach 0.5 m and 15°; the last steps must be finer than 0.1 m and 3°.</details>
-# <details><summary>Hint 3: one line</summary>np.stack(np.meshgrid(a, b, c), axis=-1).reshape(-1, 3) has a row for each combination of a, b and c. Added to a pose (3,), it's one pose per row.</details>
+# <details><summary>Hint 3: one line</summary>np.stack(np.meshgrid(a, b, c), axis=-1).reshape(-1, 3) has a row for each combination of a, b and c. Added to a pose (3,), it gives one pose per row.</details>
 
 
 # %% exercise="match"
@@ -422,16 +422,16 @@ rows = [
     ["by your match", *errors[:, 1].mean(axis=0), errors[:, 1, 0].max()],
 ]
 table(
-    {"20 places of your flat": "", "metres off": ".2f", "degrees off": ".1f", "worst, m": ".2f"},
+    {"20 places in your flat": "", "metres off": ".2f", "degrees off": ".1f", "worst, m": ".2f"},
     rows,
 )
 
 # %% [markdown]
 # ## 3 · What to believe
 #
-# `match` always answers. Give it another room's scan, and it'll still return a best pose. So before the robot moves its whole map, ask three things:
+# `match` always answers. Give it another room's scan, and it'll still return a best pose. So before the robot believes a match, ask three things:
 #
-# - **Does it fit at all?** Two rooms never fit well; but something's often hidden, so don't insist on 1.
+# - **Does it fit at all?** Scans of different rooms never do; but some wall's often hidden, so don't insist on 1.
 # - **Does it slide?** If it fits nearly as well half a metre away in some direction, the match says nothing.
 # - **Is it near the guess?** Since the last match, odometry has never drifted more than **1 m or 30°**, twice what exercise 1 tries.
 #
@@ -476,7 +476,7 @@ table(head, rows)
 #
 # Write the three tests. The lines are yours to draw, as long as good matches pass and bad ones don't. When in doubt, refuse: there'll be another match soon. A bad match, once believed, puts the robot where it isn't.
 #
-# <details><summary>Hint 1: concept</summary>Three conditions, all of which must hold. The second compares two fits, and in a corridor only one direction slides.</details>
+# <details><summary>Hint 1: concept</summary>Three conditions must all hold. The second compares two fits, and in a corridor only one direction slides.</details>
 # <details><summary>Hint 2: approach</summary>fit takes poses (P, 3); pose[None] is an array of one. For the second test, make poses 0.5 m from pose in 8 directions, and take the best fit. For the third, relative(guess, pose) is the gap; wrap brings a difference of headings into -π to π.</details>
 # <details><summary>Hint 3: one line</summary>np.stack([np.cos(t), np.sin(t), 0 * t], axis=1) has a row for each direction in t; how far do you go?</details>
 
@@ -610,7 +610,7 @@ closed.noting.note()
 
 # %% hidden=true
 # The same ten goals
-ROBOTS = {"by odometry": (kept, colours.FAINT), "with your walls": (closing, colours.ROBOT)}
+ROBOTS = {"by odometry": (kept, colours.FAINT), "with your functions": (closing, colours.ROBOT)}
 figure, (axis,) = chart(7.4, 3.4)
 for i, (name, (life, tone)) in enumerate(ROBOTS.items()):
     steps, found = life.steps[:, 0], life.success[:, 0] > 0
@@ -637,7 +637,7 @@ show(
 )
 
 # %% [markdown]
-# A cross is a goal that wasn't found. This is one life, the worst of four: enough to see how it works, but not to measure it. Here are [thirty lives in ten other buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits), where the library closes loops at the nodes. Lines are 95 % intervals.
+# A cross is a goal that wasn't found. This is one life, the worst of four: enough to see the effect, but not to measure it. Here are [thirty lives in ten other buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits), where the library closes loops at the nodes. Lines are 95 % intervals.
 
 # %% hidden=true
 # Thirty lives, from the stored results
@@ -662,7 +662,7 @@ show(from_figure(figure))
 # %% [markdown]
 # ## 5 · The race
 #
-# All robots raced on those thirty lives: the systems of this course, and a **combined** one, `LifelongAgent`, with everything that helped. It closes loops, remembers *every* panorama, plans on a metric map, and counts the metres to a ghost. Here's what three of them find again. A goal is *passed* once the robot gets within 1 m of it.
+# The systems of this course all raced on those thirty lives, and so did a **combined** robot, `LifelongAgent`, with everything that helped. It closes loops, remembers *every* panorama, plans on a metric map, and counts the metres to a ghost. Here's what three of them find again. A goal is *passed* once the robot gets within 1 m of it.
 
 
 # %% hidden=true
@@ -697,7 +697,11 @@ def race_chart(names, hidden=False):
             if not y:
                 bar.set_label(words)
     axis.set_yticks(range(len(names)), [SHOWN[name] for name in reversed(names)])
-    title = "And the goals that it never passed?" if hidden else "What it passed, it finds again"
+    title = (
+        "And the goals that it never passed?"
+        if hidden
+        else "With loops closed, it finds what it passed"
+    )
     axis.set(xlim=(0, 1.15), ylim=(-0.6, len(names) + 0.1), title=title)
     axis.set_xlabel("goals found, visits 8 to 10")
     axis.legend(loc="upper center", ncols=2, fontsize=10)
@@ -715,15 +719,15 @@ left_over = Prediction(
     robot=f"of the goals that it passed before, it finds {RACE['combined', '8-10']['passed']:.0%}; of "
     f"the others {missed:.0%}.",
     tempting="A",
-    because="it knows the building by then. But a goal that nobody has passed lies where nobody has "
-    "looked, and there it's a robot on its first visit.",
+    because="it knows the building by then. But a goal it has never passed lies where it has never "
+    "been, and there it's on its first visit.",
     before=race_chart(three, hidden=True),
     after=race_chart(three),
 )
 display(left_over)
 
 # %% [markdown]
-# So recall is solved, here at least, where depth is exact. What's left is **exploring the rest**. Watch who's best at that.
+# So remembering is solved, here at least, where depth is exact. What's left is **exploring the rest**. Watch who's best at that.
 
 # %% hidden=true
 # The race, from the stored results
@@ -749,9 +753,9 @@ table(head, rows, best, f"of 90 goals each; never passed: of {min(few)} to {max(
 #
 # ## 6 · Your own robot
 #
-# **An open task.** The next cell *is* a file with a robot in it. Change the class, or write another one: `start`, `look_for` and `act` are all a robot needs. The score is **100 · [[SPL]]** over the ten visits above. Beat the robot of section 1, then your own from section 4, which is harder.
+# **An open task.** The next cell *is* a file with a robot in it. Change the class, or write another one: `start`, `look_for` and `act` are all a robot needs. The score is **100 · [[SPL]]** over the ten visits above. Beat the robot of section 1, then your own from section 4.
 #
-# Three ways to start: other settings of `LifelongAgent`; what a ghost is worth, `_worth`; or a wrapper around any explorer, such as `ScanCorrected` from `tutorial_lib.agents.scan_corrected`.
+# Three ways to start: try other settings of `LifelongAgent`; change what a ghost is worth, in `_worth`; or wrap any explorer, as with `ScanCorrected` from `tutorial_lib.agents.scan_corrected`.
 
 # %%
 import numpy as np
@@ -814,9 +818,9 @@ display(league.enter("MyRobot", summary(mine)))
 # | project | row to beat | judged by `experiment ...` |
 # |---|---|---|
 # | explore the rest: goals never passed | `ans_corrected` | `race --agent` |
-# | a first visit in colours that nobody has seen | `nts` | `nts_table1 --palette shifted --agent` |
+# | a first visit in colours never seen in training | `nts` | `nts_table1 --palette shifted --agent` |
 # | close loops with noisy depth, or without depth | `nts_closing` | `race --agent`, noise in your agent |
-# | ten visits in colours that nobody has seen | `combined` | `race --palette shifted --agent` |
+# | ten visits in colours never seen in training | `combined` | `race --palette shifted --agent` |
 # | a better first visit | `nts` | `nts_table1 --agent` |
 # | the same for the course's car | `nts` | `nts_table1 --body car --agent` |
 # | a planner that doubts its map | `meng` | `meng_table2 --agent` |
@@ -839,6 +843,6 @@ display(league.enter("MyRobot", summary(mine)))
 # All of it. The paper gives its robots at most ten goals in a row, all closer together (notebook 09). Closing loops, the combined robot, the race and its rules are the course's, and so is the exact depth of the panorama: with a real sensor, matching walls is harder.
 # </details>
 #
-# What can't it do? It doesn't know a door from a cupboard. It has never met stairs, glass, or a cat. It's lost when somebody carries it to a room it hasn't seen. And it needs a photo: it doesn't know what *the kitchen* is.
+# What can't your robot do? It doesn't know a door from a cupboard. It has never met stairs, glass, or a cat. It's lost when somebody carries it to a room it hasn't seen. And it needs a photo: it doesn't know what *the kitchen* is.
 #
 # The photo is still on the fridge: *take me here*. In notebook 00 that was a dare. Now go and hold it up.
