@@ -754,7 +754,7 @@ show(side_by_side(panels, titles, height=420))
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ images} = 0.3\ \text{s}, $$
 #
-# $2k+1$ images; with $k = 0$ it's just the photo. Here's the photo from the door, with $k = 2$.
+# $2k+1$ images; with $k = 0$ it's just the photo. Here's the photo you held up, with $k = 2$.
 
 # %% hidden=true
 # The photo, and its context
@@ -935,7 +935,7 @@ show(stacked([stacked([panel], [title]), outcome_legend()], gap=4))
 # A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. The *optimizer* and its [[learning rate]] $\eta$ decide how far. The loop follows seven rules:
 #
 # 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
-# 2. **The learning rate is set before every step.** It decays along half a cosine. Over the first $W$ steps (`warmup_steps`, at least 1) it also warms up, since the first gradients of a random network are wild:
+# 2. **The learning rate is set before every step.** It decays along half a cosine. Over the first $W$ steps (`warmup_steps`, at least 1) it's kept smaller, since the first gradients of a random network are wild:
 #    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
 # 3. **Gradients don't accumulate**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that's longer than `max_norm` is shortened to that length; others stay as they are. This is called *clipping*.
 # 4. **Evaluate** after every `eval_interval` steps, and always after the last step: `validate(network)` returns the loss on pairs that the network doesn't learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it's in training mode, `network.train()`.
