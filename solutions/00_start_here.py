@@ -3,7 +3,7 @@
 #
 # **The photo on the fridge.** You've moved into a flat, and a robot car with a camera lives there. On the fridge hangs a photo, with a note: *take me here*. You have the floor plan. The robot has the photo. *Where was it taken?*
 #
-# In a minute the robot will drive there, once, by magic. Then the magic's gone, and over ten notebooks you'll build it yourself.
+# In a minute the robot will drive there, once, by magic. After that the magic's gone: over ten notebooks you'll build it yourself.
 #
 # **20 minutes.** No code to write: click the first cell, and press *Shift + Enter* repeatedly. Short of time? Skip *Other worlds*. Most code is folded; click the three dots to read it.
 
@@ -121,9 +121,9 @@ print(f"Hello, {robot}!")
 # %% [markdown]
 # ## It drives there, once
 #
-# Somebody has driven your robot through the flat. From its images it made a map: coloured arrowheads mark those it kept, and thin lines lead from one to another. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no coordinates**.
+# Somebody has driven your robot through the flat. From its images the robot made a map: coloured arrowheads mark the images it kept, and thin lines connect them. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no coordinates**.
 #
-# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Where they block the view, it coasts on, and looks for its next image again. The cell takes about 20 s.
+# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Where they block its view, it coasts on, then looks again for its next image. The cell takes about 20 s.
 
 # %% hidden=true
 # It learns a map of the flat, and drives to the photo
@@ -177,7 +177,7 @@ display(eyes)
 #
 # ## A field trip
 #
-# The office next door repeats one stretch of corridor and its rooms, as real offices often do. Two robots stand in two of its rooms.
+# The office next door repeats one stretch of corridor, with its rooms, as real offices often do. Two robots stand in two of its rooms.
 
 # %% hidden=true
 # Two rooms of an office, and what a robot sees in each
@@ -193,7 +193,7 @@ print(f"{np.linalg.norm(pose_a - pose_b):.1f} metres apart")
 twins = Prediction(
     "00",
     "twins",
-    f"Each robot takes an image of {differ.size:,} pixels. In how many will the two differ?",
+    f"Each robot takes an image of {differ.size:,} pixels. In how many do the two images differ?",
     {"A": "in none", "B": "in about a hundred", "C": "in nearly all"},
     right="A",
     robot=f"{differ.sum()} pixels differ. From one image, it can't tell which room it's in.",
@@ -208,11 +208,11 @@ twins = Prediction(
 display(twins)
 
 # %% [markdown]
-# **From one image, no method, however clever, can tell these two places apart.** This is [[perceptual aliasing]]. A map made of images may join two places that only look alike, and a robot that trusts such a map plans to drive through a wall. What helps is memory: the robot came from *somewhere*, and the paths to the two rooms differ.
+# **From one image, no method, however clever, can tell these two places apart.** This is [[perceptual aliasing]]. A map made of images may join two places that only look alike, and a robot that trusts such a map may plan a path through a wall. What helps is memory: the robot came from *somewhere*, and the paths to the two rooms differ.
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry errs anew, by about 5 % of the distance and of the turn just driven, and its heading drifts a little.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry makes a new error, of about 5 % of the distance and turn just driven, and its heading drifts a little.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)
@@ -266,7 +266,7 @@ wheels = Prediction(
     "the errors push the other way.",
     before=stacked([path], ["There, back, and there again"]),
     after=side_by_side(
-        [thought, from_figure(figure)], ["blue: driven; black: by odometry", "the error grows"]
+        [thought, from_figure(figure)], ["blue: path driven; black: odometry", "the error grows"]
     ),
 )
 display(wheels)
@@ -279,13 +279,13 @@ display(wheels)
 # So the map in the film holds no coordinates. It's a [[topological map]]:
 #
 # - a **[[vertex]]** is a place, stored as the images taken there;
-# - an **[[edge]]** says: *the robot can drive from here to there by camera*, and how likely that is.
+# - an **[[edge]]** says that *the robot can drive from here to there by camera*, and how likely that is.
 #
 # Planning finds the path most likely to succeed; following it means driving from image to image.
 #
 # ## You drive
 #
-# Now you look through the camera. Each press drives the car for half a second; arrow keys work, too, while the pointer is on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
+# Now you look through the camera. Each button press drives the car for half a second; arrow keys work, too, with the pointer on the picture. The car steers like a real one: it **can't turn in place**. Leave the room. Then press *start again* and *hide the map*. Can you still find the bathroom?
 
 # %% hidden=true
 # Drive the car
@@ -293,11 +293,11 @@ car = TeleopController(home, start)
 teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
 # %% [markdown]
-# Did you get lost? So does your robot. What did you go by? Colours, door frames, and *what you saw a moment ago*.
+# Did you get lost? So will your robot. What did you go by? Colours, door frames, and *what you saw a moment ago*.
 #
 # ## A policy that cheats
 #
-# A **policy** decides what a robot does next. The one in this film knows the floor plan and where the robot is. Such a policy is an **[[oracle]]**: it shows what's possible, and you'll compare yours with it. People are pink.
+# A **policy** decides what a robot does next. The one in this film knows the floor plan and where the robot is. Such a policy is an **[[oracle]]**: it shows what's possible, and you'll compare yours with it. The people are pink.
 
 # %% hidden=true
 # Film a policy that knows the map (about 5 s)
@@ -345,7 +345,7 @@ sliders(
 )
 
 # %% [markdown]
-# Has a real robot mapped your lab? The Robot Operating System (ROS) saves a map as an image in which dark means *wall*, plus a small text file. The next cell makes such a map, of three rooms and a corridor, and imports it as it would yours. The walls' colours are random.
+# Has a real robot mapped your lab? The Robot Operating System (ROS) saves a map as an image, in which dark means *wall*, and a small text file. The next cell makes such a map, of three rooms and a corridor, and imports it. The walls' colours are random.
 
 # %% hidden=true
 # Make a ROS map, import it, and look around in it

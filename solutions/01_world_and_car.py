@@ -88,15 +88,15 @@ turn = Prediction(
     robot=f"it needs {needed:.2f} m, and your hallway has {WIDE:.2f} m. It stops, backs up, and "
     "goes again.",
     tempting="A",
-    because="that's the circle. But the circle is the rear axle's, and the front corner on the "
-    "outside swings wider.",
+    because="that's how wide the circle is. But the rear axle follows it, and the outer front "
+    "corner swings wider.",
     before=draw_turn(False),
     after=draw_turn(True),
 )
 display(turn)
 
 # %% [markdown]
-# **100 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You can skip folded code. Units are metres, radians and seconds; headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
+# **100 minutes.** You need Python, numpy, sines and cosines. Until your function passes its check, the cells below use the library's; from then on **they use yours**. Where a function returns `(N, 2)`, return a numpy array, not a list. You can skip folded code. Units are metres, radians and seconds; headings are measured counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
 #
 # **Three old questions first.**
 #
@@ -112,7 +112,7 @@ display(turn)
 #
 # ## 1 · Where is it in the robot's frame?
 #
-# Your robot needn't know that the door is at (7.1, 2.4). It needs *two metres ahead and a little to the left*: the door's position in the robot's own [[frame]], x ahead, y to the left. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
+# Your robot needn't know that the door is at (7.1, 2.4). It needs *two metres ahead and a little to the left*: the door's position in the robot's own [[frame]], x ahead, y to the left. First shift: subtract the robot's position. Then rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
 #
 # $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
 #
@@ -122,7 +122,7 @@ display(turn)
 #
 # <details><summary>Hint 1: concept</summary>A point straight ahead of the robot has local coordinates (distance, 0), whatever the heading.</details>
 # <details><summary>Hint 2: approach</summary>Subtract first. Then the new x is the component of the offset along the robot's heading, and the new y its component to the left: two dot products.</details>
-# <details><summary>Hint 3: one line</summary>At heading 0 the local point is (dx, dy); at 90 degrees it is (dy, −dx). Which two sums of dx and dy, weighted by cosine and sine, give both?</details>
+# <details><summary>Hint 3: one line</summary>At heading 0 the local point is (dx, dy); at 90 degrees it is (dy, −dx). Which two sums of dx and dy, weighted by cosine and sine, fit both cases?</details>
 
 
 # %% exercise="to_local"
@@ -184,7 +184,7 @@ display(frame)
 # %% [markdown]
 # ## 2 · One motion after another
 #
-# Your robot makes a motion A, then a motion B, given *in the frame where A ends*. Rotate the second translation by the first heading, and add it to the first; the headings simply add up. This is **composition**, $A \oplus B$, and [[odometry]] is a long chain of compositions:
+# Your robot makes a motion A, then a motion B, given *in the robot's frame after A*. Rotate B's translation by A's heading, and add it to A's translation; the headings simply add up. This is **composition**, $A \oplus B$, and [[odometry]] is a long chain of compositions:
 #
 # $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
 #
@@ -192,7 +192,7 @@ display(frame)
 #
 # ### Exercise 2 · `compose` (easy, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Drive 1 m, turn left, drive 1 m. The second metre goes along +y. Adding the numbers would put it along +x.</details>
+# <details><summary>Hint 1: concept</summary>Drive 1 m, turn left, drive 1 m. The second metre goes along +y. Adding the coordinates would put it along +x.</details>
 # <details><summary>Hint 2: approach</summary>This time the matrix is R itself, not its transpose: you go from the robot's frame to the world's.</details>
 # <details><summary>Hint 3: one line</summary>degrees % 360 lies between 0 and 360, and (degrees + 180) % 360 − 180 between −180 and 180. What is that in radians?</details>
 
@@ -267,7 +267,7 @@ laps = Prediction(
 display(laps)
 
 # %% [markdown]
-# Each step inherits all the heading errors before it. In section 4, the cars leave the circle.
+# Each step inherits the heading errors before it. In section 4, the cars leave the circle.
 #
 # ## 3 · A car can't turn in place
 #
@@ -275,12 +275,12 @@ display(laps)
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
-# At a fixed steering angle the car drives in a circle of radius $r = L / \tan\delta$, at any speed. This is the [[kinematic bicycle model]]. Your car is 0.42 m long and 0.24 m wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad.
+# At a fixed steering angle the car drives in a circle of radius $r = L / \tan\delta$, at any speed. These equations are the [[kinematic bicycle model]]. Your car is 0.42 m long and 0.24 m wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad.
 #
 # ### Exercise 3 · `bicycle_step` (easy, 5 minutes)
 #
 # <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by the turn rate times the time.</details>
-# <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each rate times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
+# <details><summary>Hint 2: approach</summary>Write three lines, one for each equation above: add each rate times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
 # <details><summary>Hint 3: one line</summary>A tank that fills at <code>rate</code> litres a second will hold <code>level + rate * seconds</code> litres. What are the three levels here, and what are their rates?</details>
 
 
@@ -290,8 +290,8 @@ def bicycle_step(pose, speed, steering, wheelbase, seconds):
 
     pose: (3,) x, y, heading. speed: m/s, negative in reverse. steering: rad,
     positive to the left.
-    wheelbase: m. seconds: s. Returns an array (3,): x, y, heading. The step
-    runs along the heading that the car has before it.
+    wheelbase: m. seconds: s. Returns an array (3,): x, y, heading. The car
+    moves along the heading that it has before the step.
     """
     ### BEGIN SOLUTION
     x, y, heading = pose
@@ -352,7 +352,7 @@ sliders(
 )
 
 # %% [markdown]
-# None does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why, in notebook 03, a network learns reachability, not distance.
+# None does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why the network of notebook 03 learns reachability, not distance.
 #
 # ### When it touches something
 #
@@ -439,15 +439,15 @@ head = {"the car meets": "", "first contact, s": ".1f", "its wheels then ask for
 table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 
 # %% [markdown]
-# The wall pushes the second car's front corner, and so turns it. There's no **friction** here; a real wall would slow the car and scratch it.
+# The wall pushes the second car's front corner, and so turns the car. There's no **friction** here; a real wall would slow and scratch the car.
 #
 # <details><summary>How far is the person moved?</summary>
-# Not at all. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. This one ignores robots. People in later notebooks stop 1.3 m from a robot, wait two seconds, and walk back. <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever has.
+# Not at all. A person follows a route, whatever touches them; pymunk calls such a body <i>kinematic</i>. This person ignores robots. People in later notebooks stop 1.3 m from a robot, wait two seconds, and walk back. <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever has.
 # </details>
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors aren't exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B): ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and turn, and its heading drifts.
+# Motors aren't precise. As in X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B), ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and turn, and its heading drifts.
 #
 # Two hundred cars start at the same place and get the same commands for 20 s. Your `compose` computes where they are, and where their odometry puts them.
 
@@ -502,8 +502,8 @@ def draw_cloud(told):
 cloud = Prediction(
     "01",
     "cloud",
-    "Next we plot each car's odometry error at the end, seen from that car. What will that "
-    "cloud look like?",
+    "Next we plot each car's odometry error at the end, seen from that car. What will the cloud "
+    "of errors look like?",
     {
         "A": "as large as this cloud",
         "B": "smaller, and longer ahead than across",
@@ -535,8 +535,8 @@ display(cloud)
 #     return np.array([x + ahead, y, heading])
 # ```
 #
-# <details><summary>Answer</summary>The step is added along the world's x axis and never rotated by the heading: it should be
-# <code>compose(pose, [ahead, 0, turn])</code>. A test that drives straight along +x wouldn't catch this; good tests turn first.</details>
+# <details><summary>Answer</summary>The step is added along the world's x axis and never rotated by the heading: return
+# <code>compose(pose, [ahead, 0, turn])</code> instead. A test that drives straight along +x wouldn't catch this; good tests turn first.</details>
 #
 # ## 5 · A ray hits a wall
 #
@@ -552,7 +552,7 @@ display(cloud)
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (zero denominator, up to rounding).</details>
+# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (zero denominator).</details>
 # <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Handle the parallel case first and return np.inf.</details>
 # <details><summary>Hint 3: one line</summary>Python can test both ends of a range at once: <code>low &lt;= value &lt;= high</code>. Which conditions on t and u decide between t and np.inf?</details>
 
@@ -614,7 +614,7 @@ show(stacked([picture], ["Your scan: 60 rays, cut off at 6 m"]))
 #
 # The camera sits 0.25 m above the floor (`EYE`), and the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing direction, not along the ray. A slope is a height relative to the eye, divided by $z$: the wall reaches from $0.75 / z$ down to $-0.25 / z$. The image reaches from $s = \tan 30°$ (`slope`) down to $-s$, and its rows divide that range evenly.
 #
-# A row that the wall's edge crosses is covered *in part*, and its colour is mixed in that proportion. So even 16-row images show distances well: the colour carries the share.
+# A row that the wall's edge crosses is covered *in part*, and its colour is mixed in that proportion. So even 16-row images show distances well: the colour says how much.
 #
 # ### Exercise 5 · `wall_share` (medium, 15 minutes)
 #
@@ -631,7 +631,7 @@ print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the image ends at slopes ±{slope:.3f
 def wall_share(depth, rows):
     """How much of each pixel of a column a wall covers.
 
-    depth: m, greater than 0. rows: pixels of the column, any number from 1 on.
+    depth: m, greater than 0. rows: pixels of the column, 1 or more.
     Returns an array (rows,) in 0 to 1; row 0 is the top.
     """
     ### BEGIN SOLUTION
@@ -671,14 +671,14 @@ print(f"largest difference: {apart:.1f} of 255 grey levels")
 show(side_by_side(pictures, ["with wall_share", "by the library"]))
 
 # %% [markdown]
-# They differ by less than one grey level, since the library rounds to whole numbers.
+# They differ by less than one grey level, only because the library rounds to whole numbers.
 #
 # <details><summary>Why the depth and not the distance?</summary>A pinhole camera shows straight walls as straight. Columns at the sides see the wall along rays longer by a factor of
-# 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> with <code>distance[0]</code>.</details>
+# 1 / cos(angle); without the cosine, straight walls would bulge. Try it: replace <code>depth</code> with <code>distance[0]</code>.</details>
 #
 # ## 7 · The way to the photo
 #
-# An oracle, which knows the floor plan, drives your robot to the photo and records a [[trajectory]]: poses, images and actions. Orange dots are the robot's laser scans at the numbered places. This figure is the twin of the paper's Fig. 6, **in an easier world**: the paper's is a scanned building with real textures.
+# An oracle drives your robot to the photo and records a [[trajectory]]: poses, images and actions. Orange dots are the robot's laser scans at the numbered places. The figure is the twin of the paper's Fig. 6, **in an easier world**: the paper's world is a scanned building with real textures.
 
 # %% hidden=true
 # A trajectory through the flat, with numbered images along it
@@ -724,7 +724,7 @@ print(f"a trajectory of {arc_length(np.array(track))[-1]:.1f} m")
 display(alike)
 
 # %% [markdown]
-# Pixels are a poor measure of how close two places are. So you'll teach a network what the car can *reach*. The laser has its limits, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits between them.
+# Pixels are a poor measure of how close two places are. So you'll teach a network what the car can *reach*. The laser has its limits, too: at 2 m its 96 beams are 13 cm apart, and a thin post fits between two.
 #
 # **Close the notebook and draw the pipeline**, with your function names: from a command to the image that follows it.
 #
@@ -736,11 +736,11 @@ display(alike)
 # - turn a floor plan into a camera image, column by column.
 #
 # <details><summary>Extras, if you like</summary>
-# Drive in a circle using <code>bicycle_step</code>, with <code>seconds=0.5</code> and with <code>seconds=0.01</code>: which circle is larger, and how far apart are the cars after 20 s? A version that moves along the exact arc passes the check, too.
+# Drive in a circle using <code>bicycle_step</code>, with <code>seconds=0.5</code> and <code>seconds=0.01</code>: which circle is larger, and how far apart are the cars after 20 s? A function that moves the car along the exact arc passes the check, too.
 #
 # In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90 % of the errors to stay below 0.3 m after 20 s?
 #
 # Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: up to what depth can you still tell two depths apart?
 # </details>
 #
-# Tonight your robot can see and move, but an oracle turned its wheels. Hold up the photo, and it stays put. In [notebook 02](02_local_control.ipynb) you'll write what turns an image into steering. Sections I to III-A of the paper are good reading until then.
+# Tonight your robot can see and move, but an oracle turned its wheels. Hold up the photo, and it stays put. In [notebook 02](02_local_control.ipynb) you'll write code that turns an image into steering. Sections I to III-A of the paper are good reading until then.

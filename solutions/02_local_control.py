@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 02 · Local control
 #
-# **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the hallway door, and you hold up a photo taken beyond it. All it has is two images. *Which way should it steer?*
+# **At the door.** Yesterday your robot learnt to see and to move, but an oracle turned its wheels. Now it's parked in the living room, near the hallway door, and you hold up a photo taken beyond that door. All the robot has is two images. *Which way should it steer?*
 #
-# You'll write what turns images into steering, in two sittings. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own training loop trains a small network in ten seconds; with a network trained for most of an hour, your robot nearly always reaches the place in the photo.
+# In two sittings, you'll write code that turns images into steering. First comes a driver, pulled to its target and pushed off the walls. Then comes a network that looks. Your own training loop trains a small network in ten seconds; with a network trained for most of an hour, your robot nearly always reaches the place in the photo.
 
 # %% hidden=true
 # What the robot sees, and the photo (about 10 s)
@@ -147,11 +147,11 @@ steer = Prediction(
     "Which way should the robot steer?",
     {"A": "to the left", "B": "straight ahead", "C": "to the right"},
     right="A",
-    robot=f"it doesn't move. It has both images, and no code that compares them. The photo was "
+    robot=f"it doesn't move. It has both images, but no code that compares them. The photo was "
     f"taken {ahead:.1f} m ahead and {abs(left):.1f} m to the {'left' if left > 0 else 'right'}.",
     tempting="C",
-    because="there's orange on the photo's left, and so you'd pass the orange ahead on its "
-    "right. But that's another wall. Find the hallway's dark far end: the robot has it on its left.",
+    because="there's orange on the photo's left, so you'd pass the orange ahead on its right. "
+    "But they're two different walls. Find the hallway's dark far end: it's on the robot's left.",
     before=pair,
     after=side_by_side([pair, plan_of_pair()], gap=10),
 )
@@ -169,18 +169,18 @@ display(steer)
 # The one to the left. A car can't drive sideways; it must drive away and come back.
 # </details>
 # <details><summary>Notebook 00: what's an oracle good for?</summary>
-# It knows the floor plan and the robot's position, and so shows what's possible. You compare your robot with it.
+# It knows the floor plan and the robot's position, so it shows what's possible. You compare your robot with it.
 # </details>
 #
 # # First sitting · a driver (55 minutes)
 #
 # ## 1 · Two halves
 #
-# A [[local controller]] $\mathcal C$ takes two images: what the robot sees now, and a photo of its target. Ten times a second it gives a command, until the two match. It has no map and no coordinates. It needn't cross a building, but must cover a few metres reliably. It has two halves:
+# A [[local controller]] $\mathcal C$ takes two images: what the robot sees now, and a photo of its target. Ten times a second it gives a command, until the two images match. It has no map and no coordinates. It needn't cross a building, but it must cover a few metres reliably. It has two halves:
 #
 # $$ \mathcal C(o_\text{current}, o_\text{target}) \;=\; \mathcal C_{RMP}\bigl(\mathcal C_{WP}(o_\text{current}, o_\text{target})\bigr). $$
 #
-# $\mathcal C_{WP}$ is a network: two images in, a [[waypoint]] $(x, y)$ in the robot's frame out. It knows nothing of wheels. $\mathcal C_{RMP}$ drives to the waypoint by laser, and it knows nothing of images. The waypoint is only a hint, and a new one comes ten times a second.
+# $\mathcal C_{WP}$ is a network: two images in, a [[waypoint]] $(x, y)$ in the robot's frame out. It knows nothing of wheels. $\mathcal C_{RMP}$ drives to the waypoint by laser. It knows nothing of images. The waypoint is only a hint, and a new one comes ten times a second.
 #
 # You build the driver first. So in this sitting somebody *tells* the robot where its target is: an [[oracle]] gives the waypoint.
 #
@@ -237,7 +237,7 @@ show(side_by_side([closeup(view, picture, near_door, 0.35)], [ending], height=43
 # So something must push the car off the wall. The classic recipe adds up forces, and it has two flaws. A distant wall still skews the sum. And the push that stops a car *in front of* a wall disturbs it *next to* one. So each wish should also say how much it matters. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
 #
 # - an acceleration $a$: *what it wants*;
-# - a [[metric]] $M$, a symmetric matrix: *how much it matters, and in which directions*.
+# - a [[metric]] $M$, a symmetric matrix: *how much that matters, and in which directions*.
 #
 # The **goal policy** pulls a point $x$ towards its goal $g$, damps its velocity, and weights all directions equally:
 #
@@ -247,7 +247,7 @@ show(side_by_side([closeup(view, picture, near_door, 0.35)], [ending], height=43
 #
 # ### Exercise 1 · `goal_policy` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The offset divided by its length is a unit vector: direction without distance. Near the goal, dividing by a tiny length would make the pull jump about, hence the max.</details>
+# <details><summary>Hint 1: concept</summary>The offset divided by its length is a unit vector: direction without distance. Near the goal, dividing by a tiny length would make the pull jump, hence the max.</details>
 # <details><summary>Hint 2: approach</summary>np.linalg.norm(offsets, axis=-1, keepdims=True) gives each row its own length and keeps an axis to divide by. The metric is the identity for each row: np.broadcast_to(np.eye(2), shape).</details>
 # <details><summary>Hint 3: one line</summary>With <code>lengths</code> of shape (N, 1), <code>rows / lengths</code> divides every row by its own length. Which two numbers must you compare before dividing, and what is subtracted at the end? The shape of the metrics is <code>(*offsets.shape, 2)</code>.</details>
 
@@ -280,7 +280,7 @@ goal_policy = check_goal_policy.use(goal_policy)
 #
 # ### Exercise 2 · `obstacle_policy` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Acceleration and metric do different jobs. The first grows as the wall gets nearer; the second decides how much the first counts.</details>
+# <details><summary>Hint 1: concept</summary>Acceleration and metric do different jobs. The acceleration grows as the wall gets nearer; the metric decides how much it counts.</details>
 # <details><summary>Hint 2: approach</summary>First limit the distances from below, np.maximum(distances, 0.01), and use the result in both formulas: at contact you would otherwise divide by zero.</details>
 # <details><summary>Hint 3: one line</summary><code>np.maximum(speeds, 0)</code> keeps the positive speeds and sets the others to 0. Where does that belong, and what is the whole sum divided by? The metric takes one np.exp.</details>
 
@@ -306,7 +306,7 @@ def obstacle_policy(distances, closing, push, brake, weight, fade):
 obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 
 # %% [markdown]
-# Each policy acts on its own quantity, such as the position of a point on the car, or a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted by the metrics:
+# Each policy acts on its own quantity, such as the position of a point on the car, or a distance. But the robot can change only its two *controls*. The derivative of a quantity with respect to the controls is its [[Jacobian]] $J$: accelerate the controls by $u$, and the quantity accelerates by $J u$. Which $u$ suits all policies best? The one with the smallest squared error, weighted by the metrics:
 #
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
@@ -314,8 +314,8 @@ obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 #
 # ### Exercise 3 · `resolve` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>It is weighted least squares. Where two policies disagree, the result is their average, weighted by their metrics.</details>
-# <details><summary>Hint 2: approach</summary>Begin with force = np.zeros(2) and metric = 1e-6 * np.eye(2). Loop over the policies and add J.T @ M @ a to the first and J.T @ M @ J to the second. Solve once, at the end.</details>
+# <details><summary>Hint 1: concept</summary>This is weighted least squares. Where two policies disagree, the result is their average, weighted by their metrics.</details>
+# <details><summary>Hint 2: approach</summary>Begin with force = np.zeros(2) and metric = 1e-6 * np.eye(2). Loop over the policies and add J.T @ M @ a to the force and J.T @ M @ J to the metric. Solve once, at the end.</details>
 # <details><summary>Hint 3: one line</summary><code>np.linalg.solve(A, b)</code> finds the x with A x = b. What are A and b here?</details>
 
 
@@ -402,7 +402,7 @@ show(
 )
 
 # %% [markdown]
-# In the open the ellipses are circles: only the goal has a say. Next to a wall they're long *perpendicular* to it. Motion towards the wall matters, motion along it doesn't, so an arrow may run freely along it.
+# In the open the ellipses are circles: only the goal has a say. Next to a wall they stretch *perpendicular* to it. Motion towards the wall matters and motion along it doesn't, so arrows may run freely along it.
 #
 # Now the car. Nobody can push it sideways: its controls are speed $v$ and steering $\delta$, and a point on the car at $(p_x, p_y)$ has the velocity
 #
@@ -485,14 +485,14 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
-# From a weight of 0.6 up it does: the brake alone keeps it off the post. Otherwise push and weight hardly matter, as long as neither is zero: the metric fades with distance, so the car passes the post on much the same path. The gain changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4. At 0.6 it's only 0.2 m/s, and time runs out.
+# Without a push, the car gets through from a weight of 0.6 up: the brake alone keeps it off the post. Otherwise push and weight hardly matter, as long as neither is zero: the metric fades with distance, so the car passes the post on much the same path. The gain changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4. At 0.6 it's only 0.2 m/s, and time runs out.
 # </details>
 #
 # ## 4 · Half a metre back
 #
-# Your policies only drive forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, ahead or in reverse. Where one arc is too tight, the car turns in several moves.
+# Your policies only drive forwards. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it chooses an *arc* to the waypoint, forwards or in reverse. Where one arc is too tight, the car turns in several moves.
 #
-# Is reversing worth it? An [[episode]] has a start and a target. One drive of a controller through an episode is a [[rollout]]. Here two cars drive to targets up to a metre *behind* them: one car never reverses, the other may. An oracle tells them where the target is.
+# Is reversing worth it? An [[episode]] has a start and a target. One drive of a controller through an episode is a [[rollout]]. Here two cars drive to targets up to a metre *behind* them: one never reverses, the other may. An oracle tells them where each target is.
 
 
 # %% hidden=true
@@ -596,7 +596,7 @@ display(corner)
 #
 # The network learns from examples, and each example needs a [[label]]: the right waypoint. You have a recorded drive and, in simulation, a map. The authors' code uses this rule:
 #
-# - the waypoint is **the farthest point of the trajectory, up to the target, that's in clear sight**: a straight line leads there and keeps at least 6 cm from every wall;
+# - the waypoint is **the farthest point of the trajectory, up to the target, that's in clear sight**: a straight line leads there and stays at least 6 cm from every wall;
 # - a target at or before the start (`target <= source`) is its own waypoint, in sight or not;
 # - if no candidate is in sight, there's no label: `None`.
 #
@@ -605,7 +605,7 @@ display(corner)
 # ### Exercise 4 · `waypoint_label` (medium, 12 minutes)
 #
 # <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the trajectory: the point with the largest index. A point may be hidden by a post while a later one is in sight again.</details>
-# <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], use sees(start[:2], points) to find those in clear sight, and take the last. If there is none, return None: such a pair is discarded.</details>
+# <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], use sees(start[:2], points) to find those in clear sight, and take the last. If there is none, return None.</details>
 # <details><summary>Hint 3: one line</summary><code>np.flatnonzero(flags)</code> gives the indices of the True entries; the last is at index −1, if there is one. <code>to_local(start, point)</code> from the library gives a point as seen from the start.</details>
 
 
@@ -710,7 +710,7 @@ display(labels)
 #
 # ### How much do two images share?
 #
-# The network also learns the [[mutual overlap]]: how much of each camera's view the other camera sees. Cast 100 rays from one camera; count the points on walls that lie in the other's view, with nothing in between. Here one camera stands 1.5 m behind the other.
+# The network also learns the [[mutual overlap]]: how much of each camera's view the other camera sees. Cast 100 rays from one camera; count the points on walls that lie in the other camera's view, with nothing in between. Here one camera stands 1.5 m behind the other.
 
 # %% hidden=true
 # What the rear and the front camera see of each other's view
@@ -750,11 +750,11 @@ show(side_by_side(panels, titles, height=420))
 #
 # ## 7 · Two images, column by column
 #
-# A recorded drive holds more than the photo of the target: it also has the images from shortly before and after it. They show more of the room, and where the drive went. The target *with its [[context]]* is
+# A recorded drive holds more than the photo of the target: it also has the images from shortly before and after. They show more of the room, and where the drive went. The target *with its [[context]]* is
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ images} = 0.3\ \text{s}, $$
 #
-# $2k+1$ images; with $k = 0$ it's just the photo. Here's the first photo, with $k = 2$.
+# $2k+1$ images; with $k = 0$ it's just the photo. Here's the photo you held up, with $k = 2$.
 
 # %% hidden=true
 # The photo, and its context
@@ -772,7 +772,7 @@ show(side_by_side(images, names, gap=6))
 #
 # $$ A\,\text{cur} + B\,\text{tgt} + D\,(\text{cur} - \text{tgt}) . $$
 #
-# Collect terms by image, and the sum splits into a part that sees only cur and one that sees only tgt, with the same result. The first part is then computed once for all $2k+1$ images of the target. The second doesn't change while the car drives, so it's **cached** with the target.
+# Collect terms by image, and the sum splits into a part that sees only cur and one that sees only tgt. The first part is then computed once for all $2k+1$ images of the target. The second doesn't change while the car drives, so it's **cached** with the target.
 
 # %%
 torch.manual_seed(0)
@@ -796,7 +796,7 @@ counts = [(k, 9 * (2 * k + 1), 3 * (2 * k + 2), 3) for k in (0, 2, 5)]
 table(
     {"k": "d", "stacked": ".2f", "split": ".2f", "split and cached": ".2f", "times fewer": ".0f"},
     [[k, *(each * n for n in numbers), numbers[0] / numbers[2]] for k, *numbers in counts],
-    caption="Million multiplications of the first layer for one waypoint",
+    caption="Millions of multiplications in the first layer, for one waypoint",
 )
 
 # %% [markdown]
@@ -857,7 +857,7 @@ columns = Prediction(
     "back sees the target's image squeezed into the middle of its own.",
     tempting="B",
     because="what the car sees moves to the right, and that line lies to the right. But the car's "
-    "own image runs down the side of the table, and to the right in it is down.",
+    "own image runs down the side of the table: its right edge is at the bottom.",
     before=side_by_side(panels, ["the same image", "A", "B", "C"], gap=10),
     after=side_by_side(
         panels,
@@ -874,9 +874,9 @@ display(columns)
 #
 # ## 8 · Ten seconds of school
 #
-# For each pair of images the network learns the waypoint, the cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of these three errors, and in training of a fourth, of where the network says that the photo was taken ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks each took less than an hour to train, in 120 worlds. You write a small version of their training loop, and keep it easy: $k = 0$, and pairs from 24 drives in *one* world, your flat.
+# For each pair of images the network learns the waypoint, the cosine and sine of the difference in heading, and the two overlaps. The loss is the sum of their three errors; training adds a fourth, in the pose that the network predicts for the photo ([`learning/losses.py`](../tutorial_lib/learning/losses.py)). Our pretrained networks each took less than an hour to train, in 120 worlds. You write a small version of their training loop, for an easier task: $k = 0$, and pairs from 24 drives in *one* world, your flat.
 #
-# The test is 40 episodes: the car starts up to 1 m to the side of a drive, turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before learning anything, the network drives like this:
+# The test is 40 episodes: the car starts up to 1 m to the side of a drive, turned a little, and its target is more than a metre away. *Reached* means within 0.3 m, in time and without a collision. Before training, the network drives like this:
 
 
 # %% hidden=true
@@ -932,20 +932,20 @@ show(stacked([stacked([panel], [title]), outcome_legend()], gap=4))
 # %% [markdown]
 # ### Exercise 5 · `train_network` (large, 35 minutes)
 #
-# A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. The *optimizer* and its [[learning rate]] $\eta$ decide how far. The loop has seven rules:
+# A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. The *optimizer* and its [[learning rate]] $\eta$ decide how far. The loop follows seven rules:
 #
 # 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
-# 2. **The learning rate is set before every step.** It rises over $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, while it decays along half a cosine:
+# 2. **The learning rate is set before every step.** It decays along half a cosine. Over the first $W$ steps (`warmup_steps`, at least 1) it's kept smaller, since the first gradients of a random network are wild:
 #    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
 # 3. **Gradients don't accumulate**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that's longer than `max_norm` is shortened to that length; others stay as they are. This is called *clipping*.
 # 4. **Evaluate** after every `eval_interval` steps, and always after the last step: `validate(network)` returns the loss on pairs that the network doesn't learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it's in training mode, `network.train()`.
-# 5. **Keep the best**: whenever the validation loss is smaller than ever, keep a *copy* of the weights, `deepcopy(network.state_dict())` (imported above). At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
-# 6. **Stop early**: when `patience` evaluations in a row were no better than the best before them, training ends.
+# 5. **Keep the best**: whenever the validation loss is the smallest so far, keep a *copy* of the weights, `deepcopy(network.state_dict())` (imported above). At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
+# 6. **Stop early**: when `patience` evaluations in a row have been no better than the best before them, training ends.
 # 7. **Return the history**: for each evaluation, the number of steps made, the mean training loss since the last evaluation, and the validation loss.
 #
-# <details><summary>Hint 1: concept</summary>One loop over the steps. Most of its lines run in every step (rules 1 to 3); an <code>if</code> at its end holds the evaluation (rules 4 to 7). Write the first half, run the check, and go on from what it says.</details>
-# <details><summary>Hint 2: approach</summary>The rate: <code>for group in optimizer.param_groups: group["lr"] = ...</code>. Clipping is one call, <code>torch.nn.utils.clip_grad_norm_(parameters, largest)</code>, between backward and step. <code>loss.item()</code> is the loss as a number; collect it in a list that you empty at every evaluation. For rules 5 and 6 remember the smallest validation loss and how many evaluations there have been since.</details>
-# <details><summary>Hint 3: one line</summary>After how many steps? A runner who drinks after every 4 km and at the finish drinks when <code>kilometre % 4 == 0 or kilometre == length</code>. <code>step</code> counts from 0, while the history counts the steps made.</details>
+# <details><summary>Hint 1: concept</summary>Write one loop over the steps. Most of its lines run in every step (rules 1 to 3); an <code>if</code> at its end holds the evaluation (rules 4 to 7). Write the first half, run the check, and continue from what it says.</details>
+# <details><summary>Hint 2: approach</summary>Set the rate with <code>for group in optimizer.param_groups: group["lr"] = ...</code>. Clipping is one call, <code>torch.nn.utils.clip_grad_norm_(parameters, largest)</code>, between backward and step. <code>loss.item()</code> is the loss as a number; collect it in a list that you empty at every evaluation. For rules 5 and 6, remember the smallest validation loss and how many evaluations there have been since.</details>
+# <details><summary>Hint 3: one line</summary>When do you evaluate? A runner who drinks after every 4 km and at the finish drinks when <code>kilometre % 4 == 0 or kilometre == length</code>. <code>step</code> counts from 0, while the history counts the steps made.</details>
 
 
 # %% exercise="train_network"
@@ -953,7 +953,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
     """Train a network, and leave it with the weights of its best evaluation.
 
     network, optimizer: of torch; both are changed in place.
-    draw_batch: draw_batch(step) returns the batch of a step, from 0 on.
+    draw_batch: draw_batch(step) returns the batch of a step, counted from 0.
     loss_of: loss_of(network, batch) returns the loss, a tensor of one number.
     validate: validate(network) returns the validation loss, a float.
     plan: has max_steps, learning_rate (the highest), warmup_steps, max_norm,
@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network for about 10 s: 400 steps of 64 pairs each. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes the fourth error.
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes the fourth error.
 
 # %%
 training_pairs = Source(
@@ -1080,7 +1080,7 @@ for name, rollouts in outcomes.items():
 show(stacked([side_by_side(panels, titles), outcome_legend()]))
 
 # %% [markdown]
-# Has it memorised *your flat*, or learnt to *compare images*? A field trip will tell: another flat, new to both networks.
+# Has your network memorised *your flat*, or learnt to *compare images*? A field trip will tell: another flat, new to both networks.
 
 # %% hidden=true
 # The same networks in another flat (about 5 s)
@@ -1095,12 +1095,12 @@ for name, network in (("your 400 steps", learnt), ("pretrained, k = 2", pretrain
 
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
-# Some of it is useless elsewhere: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why so little data is enough. What 120 worlds add is precision, and practice with colours, turns and hidden targets that one flat doesn't have.
+# Some of it is useless elsewhere: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why so little data goes so far. What 120 worlds add is precision, and practice with colours, turns and hidden targets that one flat doesn't have.
 # </details>
 #
 # ## 9 · The photo at the door
 #
-# Here's the first photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to the predicted waypoint. Watch the waypoint: it's a new one ten times a second.
+# Here's that photo again, and the pretrained network with $k = 2$. The plan is for us; the robot gets its camera, its laser and the photo with its context. The green line leads to the predicted waypoint. Watch the waypoint: there's a new one ten times a second.
 
 # %% hidden=true
 # Film: the robot drives to the photo, from above and as it sees
@@ -1157,7 +1157,7 @@ table({"body": "", "by camera": "d", "by the oracle": "d"}, rows, caption=captio
 #
 # ### Find the bug
 #
-# A colleague computes the context of targets for the whole recording at once, "which is simpler". It runs without errors, and training goes well; only the success rate near the ends of drives is strangely low. Look at the five images of one target. What's wrong? Decide before you unfold the answer.
+# A colleague computes the context of targets for the whole recording at once, "which is simpler". The code runs without errors, and training goes well; only the success rate near the ends of drives is strangely low. Look at the five images of one target. What's wrong? Decide before you unfold the answer.
 
 
 # %%
@@ -1175,7 +1175,7 @@ show(side_by_side([camera_picture(image, 180) for image in images], names, gap=6
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# The recording is many drives laid end to end. Near the end of one, the images "after" the target belong to the <i>next</i> drive, somewhere else in the flat: the last images show another room. The indices must be clipped to the target's own trajectory, whose last image is repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Data bugs don't crash. Look at a few of the network's actual inputs, and you'll find most of them.
+# The recording is many drives laid end to end. Near the end of one, the images "after" the target belong to the <i>next</i> drive, somewhere else in the flat: the last images show another room. The indices must be clipped to the target's own trajectory, whose last image is repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Data bugs don't crash. Look at a few of the network's inputs, and you'll find most of them.
 # </details>
 #
 # ## 10 · What it doesn't know
@@ -1290,7 +1290,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car or a tight place does little harm: the driver reverses and keeps off walls by laser. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
+# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car or a tight place does little harm: the driver can reverse, and its laser keeps it off walls. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
 # </details>
 #
 # ## 11 · Beside the paper
@@ -1332,13 +1332,13 @@ axis.set_yticks(np.linspace(0, 1, 6), range(0, 101, 20))
 show(from_figure(figure))
 
 # %% [markdown]
-# The results page also tests these controllers [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2), and [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control): among obstacles, context helps most.
+# The results page also shows these controllers [on real maps](../tutorial_lib/results/README.md#table-i-on-maps-from-nav2), and [with noisy controls, obstacles and other colours](../tutorial_lib/results/README.md#table-i-local-control): among obstacles, context helps most.
 #
 # <details><summary>Why does noise on the controls hardly matter?</summary>
-# The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. In open loop, errors would add up as the odometry's did in notebook 01.
+# The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. In open loop, errors would add up, as the odometry's did in notebook 01.
 # </details>
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# Our images are simpler than those of scanned buildings, which helps. But they have 16 rows, not 64, the networks are small, and our car is larger relative to its world: its tightest circle is 1.24 m wide; in the authors' code, it's 0.9 m. Their direct controller imitates acceleration and steering velocity and has k = 0; ours imitates speed and steering, and has k = 2. Our $\mathcal C$ averages its waypoints; theirs doesn't, nor does yours.
+# Our images are simpler than those of scanned buildings, which helps. But they have 16 rows, not 64, the networks are small, and our car is larger relative to its world: its tightest circle is 1.24 m wide, and 0.9 m in the authors' code. Their direct controller imitates acceleration and steering velocity and has k = 0; ours imitates speed and steering, and has k = 2. Our $\mathcal C$ averages its waypoints; theirs doesn't, nor does yours.
 # </details>
 #
 # **Close the notebook and draw the pipeline**, with your function names: from two images to the wheels.
@@ -1355,7 +1355,7 @@ show(from_figure(figure))
 #
 # <code>DirectNetwork("direct_k2")</code> from <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>TargetPolicy(direct, targets_of(direct, forty))</code> drives with it. In which episodes does it fail, though waypoints get the car there?
 #
-# Give the car of section 3 a damping of 1.0 instead of 3.0. What does it do at the door? What would a policy look like that keeps a car from driving faster than it can see?
+# Give the car of section 3 a damping of 1.0 instead of 3.0. What does it do at the door? How would a policy keep a car from driving faster than it can see?
 #
 # In <code>waypoint_label</code>, take the <i>nearest</i> point in sight that's at least 1 m away. Which rollouts would become smoother, and which worse?
 # </details>

@@ -5,7 +5,7 @@
 #
 # Here are two cars in your living room: same distance from the target, same heading, same photo, same controller. One arrives practically every time, the other about one time in six. *Which one would you bet on?*
 #
-# The cars can't tell. Today you teach a network to say, before the wheels turn, "I'd make that nine times in ten". Then you check whether it really is nine in ten, and catch it being sure and wrong.
+# The cars can't tell. Today you teach a network to say, before the wheels turn, "I'd make that nine times in ten". Then you check whether it really is nine in ten, and catch the network being sure and wrong.
 
 # %% hidden=true
 # Your living room, and two cars (about 10 s)
@@ -197,18 +197,18 @@ bet = Prediction(
     {"A": "car A", "B": "car B"},
     right="A",
     robot=f"A arrives, B runs out of time. Not only here: at {reached.shape[1]} places all over "
-    f"your flat, with nothing between car and target, it arrives {reached[0].sum()} times as A, "
-    f"and {reached[1].sum()} times as B.",
+    f"your flat, with nothing between car and target, a car like A arrives {reached[0].sum()} "
+    f"times, and one like B {reached[1].sum()} times.",
     tempting="B",
-    because="in its image the green is as large as in the photo. But its target lies beside it, "
-    "and A's lies ahead.",
+    because="in its image the green is as large as in the photo. But the target lies beside B, "
+    "and ahead of A.",
     before=cars_picture(),
     after=cars_picture([0, 1]),
 )
 display(bet)
 
 # %% [markdown]
-# **120 minutes, then 40.** Take a break after section 4. The second sitting begins with section 7. You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image: $\mathcal C_{WP}$ predicts a waypoint, and $\mathcal C_{RMP}$ drives there. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes, then 40.** Take a break after section 4. The second sitting begins with section 7. You need notebook 02's [[controller]] $\mathcal C$, which drives to the place shown in an image: $\mathcal C_{WP}$ predicts a waypoint, and $\mathcal C_{RMP}$ drives there. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -224,11 +224,11 @@ display(bet)
 #
 # ## 1 · What will the controller reach?
 #
-# Nothing stood in B's way, yet it didn't get there. So *near* isn't *reachable*. Put $\mathcal C$ where it sees $o_\text{current}$, hold up a target $\hat o_\text{target}$ with its context, and let it drive, many times. The share of arrivals is what you want to know beforehand (III-A, III-C):
+# Nothing stood in B's way, yet it didn't get there. So *near* isn't *reachable*. Put the car where it sees $o_\text{current}$, hold up a target $\hat o_\text{target}$ with its context, and let $\mathcal C$ drive, many times. The share of arrivals is what you want to know beforehand (III-A, III-C):
 #
 # $$ \mathcal{RE}(o_\text{current},\, \hat o_\text{target}) \;=\; P\bigl(\text{reach} \mid o_\text{current},\, \hat o_\text{target},\, \mathcal C\bigr) . $$
 #
-# A network that predicts this probability is a **[[reachability estimator]]**, RE. There's no distance in it, and it belongs to *this* controller.
+# A network that predicts this probability is a **[[reachability estimator]]**, RE. There's no distance in this formula, and RE belongs to *this* controller.
 #
 # In a simulator you can simply try it. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *arriving* means getting within 0.30 m of the target, in time and without a collision.
 
@@ -309,7 +309,7 @@ fan = Prediction(
 display(fan)
 
 # %% [markdown]
-# Here are both targets. Next to each outcome is what RE predicted *beforehand*, from images alone.
+# Here are the outcomes for this target and this morning's. Beside them is what RE predicted *beforehand*, from images alone.
 
 # %% hidden=true
 # Outcome and prediction
@@ -352,7 +352,7 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the order right. But for targets beside the car, or behind a wall, it's too optimistic. Keep that in mind. And this morning's two cars? The line above the maps says it: B won't make it.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the order right. But for targets beside the car, or behind a wall, it's too optimistic. And this morning's two cars? The line above the maps says that B won't make it.
 #
 # ### What keeps car B away?
 #
@@ -412,7 +412,7 @@ stops = Prediction(
 display(stops)
 
 # %% [markdown]
-# Three controllers reach three different areas, though nothing about the places has changed. *Is it reachable?* has no answer until you say by which controller. An estimator trained for one is wrong for another. That's also why the similarity of two images, or the time between them, is only a proxy: neither depends on the controller.
+# Three controllers reach three different areas, though nothing about the places has changed. *Is it reachable?* has no answer until you say by which controller. An estimator trained for one controller is wrong for another. That's also why the similarity of two images, or the time between them, is only a proxy: neither depends on the controller.
 #
 # So what does $\mathcal C_{WP}$ tell B? Watch the second column.
 
@@ -435,11 +435,11 @@ headings = {"target, m to the side": ".2f", "its first waypoint, m to the side":
 table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 
 # %% [markdown]
-# However far the target is to the side, the waypoint isn't much more than 0.6 m to the side. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and beyond that it predicts much the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
+# However far the target is to the side, the waypoint isn't much more than 0.6 m to the side. $\mathcal C_{WP}$ learnt from starts next to a trajectory, most of them less than half a metre off, and for starts farther off it predicts much the same waypoint. RE has seldom seen such starts, either. Both are good at what they were trained on, and this isn't it.
 #
 # ## 2 · Labels from rollouts
 #
-# RE learns from outcomes. From the recorded trajectories, draw a **pair** at random: a start and a target. Drive, and note whether the car arrives. No rule has to say what makes a target hard. In the paper both lie on the same trajectory with probability 0.6; we also move most starts a little sideways.
+# RE learns from outcomes. From the recorded trajectories, draw a **pair** at random: a start and a target. Drive, and note whether the car arrives. No rule has to say what makes a target hard. In the paper, start and target lie on the same trajectory with probability 0.6; we also move most starts a little sideways.
 #
 # A car that circles for ten minutes and then stumbles on the target hasn't shown that it can reach it. So there's a time limit, set by $A^*$, the length of the shortest path, and by the slowest tolerated speed (III-C; 5 s and 0.3 m/s are from the authors' code):
 #
@@ -447,12 +447,12 @@ table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 #
 # The label is 1 if there's a moment, $t_\text{max}$ at the latest, at which the car is at most 0.30 m from the target and has touched nothing so far, that moment included. Otherwise it's 0. What the car does after arriving doesn't count.
 #
-# And a collision? The authors' code leaves such rollouts out. Then RE never learns of the places where the controller crashes, and those are the ones it should warn about. We keep these rollouts, with label 0.
+# And collisions? The authors' code leaves out rollouts that collide. Then RE never learns of the places where the controller crashes, and those are the ones it should warn about. We keep these rollouts, with label 0.
 #
 # ### Exercise 1 · `rollout_labels` (medium, 10 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Three things must hold at the same moment: near, in time, and clean so far. The label asks whether any such moment exists.</details>
-# <details><summary>Hint 2: approach</summary>Make three tables (T, N) of true and false and join them with &. Time against limit: times[:, None] &lt;= limits makes a table from a column and a row. "Clean so far" negates a running or: np.logical_or.accumulate(touched, axis=0) is true from the first contact on.</details>
+# <details><summary>Hint 2: approach</summary>Make three tables (T, N) of true and false and join them with &. For the time limit, times[:, None] &lt;= limits makes a table from a column and a row. "Clean so far" negates a running or: np.logical_or.accumulate(touched, axis=0) is true from the first contact on.</details>
 # <details><summary>Hint 3: one line</summary>For one car, with lists for near, in time, and touched, it would be <code>any(n and t and not any(c[:i + 1]) for i, (n, t, c) in …)</code>. Which axis of the tables plays the role of the outer any, and which function that of the inner one?</details>
 
 
@@ -480,7 +480,7 @@ rollout_labels = check_rollout_labels.use(rollout_labels)
 
 
 # %% [markdown]
-# Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors. Take up to 150 pairs in each. Each image of a pair shows at least a tenth of the other's view; section 5 is about the rest. Watch what share arrives, and how many of the others collide. This takes about 15 s.
+# Now collect labels, at home and on three field trips: an office, a maze and a ring of corridors. Take up to 150 pairs in each building. Each image of a pair shows at least a tenth of what the other shows; section 5 is about other pairs. Watch what share arrives, and how many of the others collide.
 
 # %% hidden=true
 # Draw pairs in four buildings, and drive (about 15 s)
@@ -529,7 +529,7 @@ headings = {"building": "", "pairs": "d", "arrive": ".0%", "not in time": ".0%"}
 table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 
 # %% [markdown]
-# Hardly any collide: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it matters little how collisions count. For one that cuts corners they would decide what RE learns.
+# Hardly any collide: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it matters little how collisions count. With one that cuts corners, they'd decide what RE learns.
 #
 # ## 3 · A loss that teaches probabilities
 #
@@ -537,14 +537,14 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 #
 # $$ \ell(z, y) \;=\; -\,y \log \sigma(z) \;-\; (1-y) \log\bigl(1 - \sigma(z)\bigr) \;=\; \log\bigl(1 + e^{z}\bigr) - y\,z . $$
 #
-# The first form explains the loss: the cost is $-\log$ of the probability predicted for what then happened. The second is how to compute it: for $z = 1000$ the first takes the logarithm of 0, while `np.logaddexp(0, z)`, which is $\log(e^0 + e^z)$, stays finite.
+# The first form explains the loss: the cost is $-\log$ of the probability predicted for what then happened. The second is the one to compute: for $z = 1000$ the first takes the logarithm of 0, while `np.logaddexp(0, z)`, which is $\log(e^0 + e^z)$, stays finite.
 #
-# Labels may lie *between* 0 and 1: our network, unlike the paper's, also predicts the two overlaps of a pair. And pairs may have **weights** $w$; then the loss is $\sum w\,\ell / \sum w$.
+# Labels may lie *between* 0 and 1, as overlaps do: our network, unlike the paper's, predicts a pair's two overlaps, too. And pairs may have **weights** $w$; then the loss is $\sum w\,\ell / \sum w$.
 #
 # ### Exercise 2 · `reach_loss` (easy, 8 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Stay with the logit. Converting it to a probability first loses precision for large z: 1 − σ(40) is 0 in floating point.</details>
-# <details><summary>Hint 2: approach</summary>Compute each pair's loss by the second form, then the weighted mean: np.average has an argument weights.</details>
+# <details><summary>Hint 2: approach</summary>Compute each pair's loss by the second form, then the weighted mean: np.average has an argument <code>weights</code>.</details>
 # <details><summary>Hint 3: one line</summary>The weighted mean squared error would be <code>np.average((z - y) ** 2, weights=w)</code>. Which expression replaces the square?</details>
 
 
@@ -567,7 +567,7 @@ reach_loss = check_reach_loss.use(reach_loss)
 
 
 # %% [markdown]
-# Rollout labels are ones and zeros. Why should they lead to a *probability*? Ten rollouts with noisy controls, from one start to one target: seven arrive, two run out of time, one hits the wall. The network sees the same two images ten times, so it must say the same $p$ each time. Here's what each $p$ costs under your loss. The lighter curve drops the crash, as the authors' code does.
+# Rollout labels are ones and zeros. Why should they lead to a *probability*? Take ten rollouts with noisy controls, from one start to one target: seven arrive, two run out of time, one hits the wall. The network sees the same two images ten times, so it must say the same $p$ each time. Here's what each $p$ costs under your loss. The lighter curve drops the crash, as the authors' code does.
 
 # %% hidden=true
 # The mean loss of ten rollouts for every prediction
@@ -620,16 +620,16 @@ display(ten_drives)
 #
 # ## 4 · Is it right?
 #
-# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same goes for RE: sort its predictions, put those of similar size into a [[bin]], and compare the *mean prediction* of each bin with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
+# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same goes for RE: sort its predictions, put similar ones into a [[bin]], and compare each bin's *mean prediction* with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
 #
-# Most predictions are near 1, so with equal widths the middle bins would be nearly empty. Take bins of equal **mass**: each has as many predictions as the next, or one more where $N$ isn't a multiple of the number of bins $B$; which bins are larger is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted by its number of predictions $n_b$:
+# Most predictions are near 1, so with equal widths the middle bins would be nearly empty. Take bins of equal **mass**: each holds equally many predictions, give or take one where $N$ isn't a multiple of the number of bins $B$; which bins are larger is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted by its number of predictions $n_b$:
 #
 # $$ \mathrm{ECE} = \sum_b \frac{n_b}{N}\,\bigl|\,\overline{p}_b - \overline{y}_b\,\bigr| . $$
 #
 # ### Exercise 3 · `reliability_diagram` (medium, 10 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Sort by prediction, cut into pieces of equal length, and take two means for each piece. Keep prediction and outcome together when you sort.</details>
-# <details><summary>Hint 2: approach</summary>np.argsort(predicted) gives the indices of the pairs from the lowest prediction to the highest, and np.array_split cuts them into `bins` groups, whose lengths differ by at most one.</details>
+# <details><summary>Hint 2: approach</summary>np.argsort(predicted) gives the indices of the pairs from the lowest prediction to the highest, and np.array_split cuts them into <code>bins</code> groups, whose lengths differ by at most one.</details>
 # <details><summary>Hint 3: one line</summary>The largest value in each of 7 groups of x would be <code>[x[g].max() for g in np.array_split(np.argsort(x), 7)]</code>. What do you need from each group, and which weight does its gap get?</details>
 
 
@@ -657,7 +657,7 @@ reliability_diagram = check_reliability_diagram.use(reliability_diagram)
 
 
 # %% [markdown]
-# Start with a quickly trained network: two small layers on top of $\mathcal C_{WP}$'s frozen encoder, trained only on the 300 rollouts in your flat and the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: that much could be chance. Both axes are stretched near 1, where most predictions are.
+# Start with a quickly trained network: two small layers on top of $\mathcal C_{WP}$'s frozen encoder, trained on the 300 rollouts in your flat and the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: a gap that small could be chance. Both axes are stretched near 1, where most predictions are.
 
 
 # %% hidden=true
@@ -766,8 +766,8 @@ display(new_house)
 #
 # ### Exercise 4 · `fit_temperature` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>There is one unknown, and you have a function that scores any value of it. Just try many values.</details>
-# <details><summary>Hint 2: approach</summary>As a temperature, 0.5 is as far from 1 as 2 is: try values that grow by a constant factor, np.geomspace(0.05, 20, 600). Compute reach_loss(logits / t, labels, weights) for each, with all weights 1. (Or use scipy.optimize.minimize_scalar over log T.)</details>
+# <details><summary>Hint 1: concept</summary>There is one unknown, and you have a function that scores any value of it. Try many values.</details>
+# <details><summary>Hint 2: approach</summary>As a temperature, 0.5 is as far from 1 as 2 is: try values that grow by a constant factor, np.geomspace(0.05, 20, 600). Compute reach_loss(logits / t, labels, weights) for each, with all weights 1.</details>
 # <details><summary>Hint 3: one line</summary>The angle below 3 at which the sine is smallest would be <code>angles[np.argmin([np.sin(a) for a in angles])]</code>. What takes the place of the sine?</details>
 
 
@@ -776,7 +776,7 @@ def fit_temperature(logits, labels):
     """The temperature T with the least mean loss of logits / T, to about 1 %.
 
     logits: (N,). labels: (N,) from 0 to 1. T is sought from 0.05 to 20; where
-    the loss falls up to an end of this range, T is that end. Returns one
+    the loss is least at an end of this range, T is that end. Returns one
     number.
     """
     ### BEGIN SOLUTION
@@ -791,7 +791,7 @@ fit_temperature = check_fit_temperature.use(fit_temperature)
 
 
 # %% [markdown]
-# The quick network and the library's have their temperatures fitted in the ring of corridors and are judged in the office. A temperature is only one number, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Two poorly calibrated estimators join them: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
+# The quick network and the library's get temperatures fitted in the ring of corridors, and are judged in the office. A temperature is only one number, so the library's RE uses an increasing function through twenty points instead, fitted in 24 validation worlds (*isotonic regression*, [`calibration.py`](../tutorial_lib/learning/calibration.py)). Two poorly calibrated estimators join them: a *constant*, the share that arrived in the ring, and the library's predictions rounded to *0 or 1*.
 #
 # **AUC** is the probability that a pair that arrives has a higher prediction than one that doesn't. Watch its column.
 
@@ -839,18 +839,18 @@ show(from_figure(figure))
 # %% [markdown]
 # For each network the AUC stays put: it depends on the ranking alone, which an increasing function preserves. **Calibration adds no information; it makes probabilities honest.** And the ECE alone says little. A constant that equals the building's own share is calibrated by definition, and useless; the one in the table comes from another building. Look at ECE *and* AUC, or at Brier and log loss, which reward both. The log loss punishes confident errors most.
 #
-# With 150 rollouts even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
+# With 150 rollouts, even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
 #
 # <details><summary>Why doesn't a temperature help the library's network?</summary>
-# Its T is near 1, so its first two curves coincide. It's too modest, not too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
+# Its T is near 1, so its first two curves coincide. The network is too modest, not too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
 # </details>
 # <details><summary>In section 1 the calibrated RE was too optimistic for targets beside the car. Is it calibrated?</summary>
-# It is, <i>for pairs like those on which it was fitted</i>. The grid's pairs are of another kind. Before you trust a probability, ask on which pairs it was calibrated, and whether yours are like them.
+# It is, <i>for pairs like those used for calibration</i>. The grid's pairs are of another kind. Before you trust a probability, ask on which pairs it was calibrated, and whether yours are like them.
 # </details>
 #
 # ## 5 · Far look-alikes
 #
-# A topological map (notebook 05) asks RE about **all pairs** of its vertices, and most are far apart. Here are 120 images of your flat, each paired with every other. Watch the last column: pairs more than 5 m apart along the shortest path, with less than a tenth of each view in the other. None of those can be reached.
+# A topological map (notebook 05) asks RE about **all pairs** of its vertices, and most are far apart. Here are 120 images of your flat, each paired with every other. Watch the last column: pairs more than 5 m apart along the shortest path, whose views overlap by less than a tenth. None of those targets can be reached.
 
 # %% hidden=true
 # Query RE for all pairs of 120 frames, and show the worst
@@ -884,7 +884,7 @@ show(side_by_side(panels, titles))
 # %% [markdown]
 # These are the worst. The colours differ, but the geometry is similar: a wall on either side, a passage, something at the end. When different places look alike, that's **[[perceptual aliasing]]**, and a map edge between two such places is a **[[wormhole]]**: the planner thinks there's a short cut, and takes it.
 #
-# Among thousands, only a handful are above 0.9. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A map has 1,000 vertices, and from each the robot can really get to two others. Here are all pairs, from row to column; the real ones are blue. **Take a pencil.**
+# Among thousands, only a handful are above 0.9. Is that good enough? Take an estimator that's right about 999 of 1,000 unreachable pairs. A map has 1,000 vertices, and from each the robot can really reach two others. Here are all pairs, from row to column; the reachable ones are blue. **Take a pencil.**
 
 # %% hidden=true
 # A million pairs
@@ -921,9 +921,9 @@ holes = Prediction(
 display(holes)
 
 # %% [markdown]
-# What counts isn't an estimator's error rate over all pairs, but over those that it *accepts*. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes. Random pairs hardly ever include such a mistake, so they can't teach a network to avoid it.
+# What counts isn't an estimator's error rate over all pairs, but over those that it *accepts*. To have fewer than ten wormholes, this map needs an estimator that errs on one unreachable pair in 100,000. Random pairs hardly ever include such a mistake, so they can't teach a network to avoid it.
 #
-# So search for mistakes: **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 images in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on, one training target in ten was one of these.
+# So search for mistakes: this is **hard negative mining**. After most of its training, the library's network was asked about all pairs of 160 images in each of 80 training worlds. Far, occluded pairs with a high prediction are its worst mistakes, **hard negatives**. They were labelled 0 without a rollout. Other pairs with a high prediction were rolled out, and many did arrive: they were kept, too, or the network would have learnt to distrust whatever looks good. From then on, one training target in ten came from these pairs.
 
 # %% hidden=true
 # Read the library's training from its card
@@ -944,7 +944,7 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 #
 # ### Exercise 5 · `mine_pairs` (large, 35 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Four groups of pairs: known; occluded and sure; not occluded and sure; all others. Make a mask for each, then shorten the second and third. Keep pairs, labels and weights in the same order until the end.</details>
+# <details><summary>Hint 1: concept</summary>There are four groups of pairs: known; occluded and sure; not occluded and sure; all others. Make a mask for each, then shorten the second and third. Keep pairs, labels and weights in the same order until the end.</details>
 # <details><summary>Hint 2: approach</summary>np.isnan says whether a label is missing. For the hard negatives, loop over np.argsort(-probability), with a list of those chosen and a dictionary of counts for each start. For the confident ones, cut rng.permutation of their indices to the number you need. With E easy pairs of weight 1 and M mined ones of weight w, the share is M w / (E + M w): solve for w, and mind M = 0.</details>
 # <details><summary>Hint 3: one line</summary>Keeping at most two words per first letter would be <code>for word in words: if count.get(word[0], 0) &lt; 2: …</code> What are the words here, what is the letter, and which two other conditions join this one?</details>
 
@@ -958,9 +958,9 @@ def mine_pairs(probability, starts, occluded, labels, roll_out, sure, most, each
     pair is far and occluded. labels: (P,) 1, 0, or nan where a pair has not
     been rolled out. roll_out: function that takes indices (M,) of pairs and
     returns labels (M,). sure: only pairs with a greater probability are mined.
-    most, each: hard negatives at most, in all and of one start. share: of the
-    mined pairs in the weight of all, less than 1. rng: np.random.Generator. At
-    least one label is known.
+    most, each: the most hard negatives, in all and from one start. share: the
+    mined pairs' share of the total weight, less than 1. rng:
+    np.random.Generator. At least one label is known.
     Returns three arrays (M,): the indices of the pairs, each once and in any
     order, their labels and their weights.
     """
@@ -989,7 +989,7 @@ mine_pairs = check_mine_pairs.use(mine_pairs)
 
 
 # %% [markdown]
-# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 images of the *office*, which neither has seen. Watch whether the look-alikes go, and whether the ordinary pairs suffer. This takes about 6 s.
+# A second quick network is trained on your set, from the same initial weights. Both are asked about all pairs of 45 images of the *office*, which neither has seen. Watch whether the look-alikes vanish, and whether the ordinary pairs suffer. This takes about 6 s.
 
 
 # %% hidden=true
@@ -1077,7 +1077,7 @@ table(headings, lines, best, words)
 # %% [markdown]
 # The second network is sure of far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs a little worse. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
 #
-# So *is it calibrated?* has two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs in your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count arrivals.
+# So *is it calibrated?* has two answers: one for pairs like those of exercise 1, one for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs in your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count arrivals.
 
 # %% hidden=true
 # Roll out confident pairs that are not neighbours
@@ -1094,18 +1094,18 @@ if sure.any():
     print(f"{sure.sum()} of them with RE > 0.99: {arrived_there[sure].mean():.1%} arrive")
 
 # %% [markdown]
-# RE was calibrated on pairs whose views overlap. A map asks about thousands, nearly all unreachable, and keeps those with high predictions: good pairs, and the few bad ones that happen to look good. The more bad pairs it asks about, the larger their share among the chosen. Near 0.99 hardly any bad ones are left. That's the first threshold to remember: **build at 0.99**, as the paper does (IV-C.1).
+# RE was calibrated on pairs whose views overlap. A map asks about thousands, nearly all unreachable, and keeps those with high predictions: good pairs, and the few bad ones that happen to look good. The more bad pairs it asks about, the larger their share among the chosen. Above 0.99 hardly any bad pairs are left. That's the first threshold to remember: **build at 0.99**, as the paper does (IV-C.1).
 #
 # ## 6 · Your own sixty
 #
-# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and a network is trained on everything. All that happens five times, with another `rng` and other initial weights each time: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
+# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and a network is trained on everything. All that happens five times, each with a new `rng` and new initial weights: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
 #
-# The **score** is the share of the squared error that's removed, in percent: 0 is a network that always predicts the average, 100 one that's always right. Below 0 is worse than no network at all. There are three baselines to beat: the 300 rollouts alone, 60 more pairs drawn at random, and the 60 look-alikes that the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
+# The **score** is the share of the squared error that a network removes, in percent: 0 means it always predicts the average, 100 that it's always right. Below 0 is worse than no network at all. There are three baselines to beat: the 300 rollouts alone, 60 more pairs drawn at random, and the 60 look-alikes that the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
-# | each is (P,) | |
+# | each of shape (P,) | |
 # |---|---|
 # | `predicted` | the quick network's probability |
-# | `occluded` | far and occluded; surely 0 |
+# | `occluded` | far and occluded: the label is surely 0 |
 # | `geodesic`, `overlap` | length of the shortest path, m, and the smaller of the two overlaps |
 # | `ahead`, `aside` | where the target is in the car's frame, m |
 # | `building`, `start` | 0: your flat, 1: the maze; and the index of the pair's start image |
@@ -1217,7 +1217,7 @@ else:
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
 # <i>Look-alikes that fool the network, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. This choice leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
-# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs do better than the look-alikes to beat. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
+# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs do better than the baseline's look-alikes. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory
@@ -1288,11 +1288,11 @@ sliders(
 )
 
 # %% [markdown]
-# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes through a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 builds on this curve: as long as RE stays high for *all* targets up to an image, the images in between can go.
+# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes through a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 builds on this curve: as long as RE stays high for *all* targets up to an image, you can drop the images in between.
 #
 # ## 8 · How it fails
 #
-# RE fails in two ways: it's sure of a target that the car then misses, or it gives up on one that's easy. From the four buildings, here are the three worst of each kind. Look at both images of each pair: would *you* have predicted the same?
+# RE fails in two ways: it's sure of a target that the car then misses, or gives up on an easy one. From the four buildings, here are the three worst of each kind. Look at both images of each pair: would *you* have predicted the same?
 
 
 # %% hidden=true
@@ -1366,11 +1366,11 @@ lines = [
 table({"what could mislead RE": "", "pairs": "d", "RE's mean": ".2f", "arrive": ".2f"}, lines)
 
 # %% [markdown]
-# RE follows the outcome from row to row: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. With a wall between car and target, it's far too optimistic: the two views share something around a corner, and the path is longer than it seems. More such examples would help. No network can learn what neither image shows; and where a car just misses the target, a few centimetres decide, and the right prediction is neither 0 nor 1.
+# RE follows the outcome from row to row: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. With a wall between car and target, it's far too optimistic: the two views overlap round a corner, and the path is longer than it seems. Training on more such pairs would help. No network can learn what neither image shows; and where a car just misses the target, a few centimetres decide, and the right prediction is neither 0 nor 1.
 #
 # ### Find the bug
 #
-# A colleague needs RE between all pairs of images of a trajectory, "and a distance is the same in both directions, so half of the table is enough". The code runs twice as fast and without an error. Rows are the car's position, columns the target's, and yellow is RE near 1. What's wrong?
+# A colleague needs RE between all pairs of images of a trajectory: "A distance is the same in both directions, so half of the table is enough." The code runs twice as fast, without errors. Rows are the car's position, columns the target's, and yellow is RE near 1. What's wrong?
 
 # %% hidden=true
 # Query RE between all pairs of 36 frames, and draw both tables
@@ -1438,7 +1438,7 @@ show(from_figure(figure))
 # *Precision*, the share of accepted pairs that arrive, depends on the estimator *and* on the kind of pairs. For neighbouring images of one drive it's nearly 1; for all pairs of a building it's lower.
 #
 # <details><summary>Why is there no number from the paper beside ours?</summary>
-# It gives none for RE itself: it shows that maps built with RE work (its Table II), and that path probabilities agree with success rates (Fig. 9). Ours tests the same idea in an easier world, without glass, changing light or people.
+# The paper gives none for RE itself: it shows that maps built with RE work (its Table II), and that path probabilities agree with success rates (Fig. 9). Our figure tests the same idea in an easier world, without glass, changing light or people.
 # </details>
 #
 # ## Ten questions, book closed
@@ -1455,7 +1455,7 @@ show(from_figure(figure))
 # 10. Why does a map need an estimator that's right far more often than 999 times in 1,000?
 #
 # <details><summary>Answers</summary>
-# 1. Perhaps not: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays put, since the ranking does. 8. It's calibrated, and useless: it can't tell targets apart. 9. No: what's reachable depends on the controller. 10. It asks about a million pairs, nearly all unreachable, so one mistake in 1,000 makes a thousand wormholes.
+# 1. Not necessarily: twin rooms give the same image. 2. At (2, 4). 3. It can't turn in place, and it can't go sideways. 4. A waypoint in the robot's frame, ten times a second. 5. It's 1: what happens after arrival doesn't count. 6. The share that arrives, 0.4. 7. All move towards one half, and the AUC stays put, since the ranking does. 8. It's calibrated, and useless: it can't tell targets apart. 9. No: what's reachable depends on the controller. 10. The map asks about a million pairs, nearly all unreachable, so one mistake in 1,000 makes a thousand wormholes.
 # </details>
 #
 # **Close the notebook and draw the pipeline**, with your function names: from rollouts to a probability that you'd bet on.
@@ -1469,7 +1469,7 @@ show(from_figure(figure))
 #
 # **Extras, if you like.** Draw the maps of section 1 for starts turned by 45°: where does the blue area go? Evaluate `ReachabilityNetwork("reach_k5")`, which belongs to another controller, on the outcomes of k = 2: in which direction is it wrong? Fit a temperature *and* an offset, $\sigma(z/T + b)$: what does the offset correct? Fit a temperature on one grid of section 1, and test it on the other.
 #
-# One thing is left for tonight. Your robot stands in its corner, and you hold up the photo from the fridge.
+# One thing is left tonight. Your robot stands in its corner, and you hold up the photo from the fridge.
 
 # %% hidden=true
 # The photo on the fridge
