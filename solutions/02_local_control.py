@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network for about 10 s: 400 steps of 64 pairs. Watch the validation loss. It doesn't fall far: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes the fourth error.
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs. Watch the validation loss. It doesn't fall far in so few steps, and never to 0: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes the fourth error.
 
 # %%
 training_pairs = Source(
@@ -1290,7 +1290,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car or a tight place does little harm: the driver can reverse, and its laser keeps it off walls. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
+# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car does no harm, and a tight place little: the driver can reverse, and its laser keeps it off walls. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
 # </details>
 #
 # ## 11 · Beside the paper

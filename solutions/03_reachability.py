@@ -529,7 +529,7 @@ headings = {"building": "", "pairs": "d", "arrive": ".0%", "not in time": ".0%"}
 table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 
 # %% [markdown]
-# Hardly any collide: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it matters little how collisions count. With one that cuts corners, they'd decide what RE learns.
+# None collide: $\mathcal C_{RMP}$ sees walls with its laser. So for this controller it matters little how collisions count. With one that cuts corners, they'd decide what RE learns.
 #
 # ## 3 · A loss that teaches probabilities
 #

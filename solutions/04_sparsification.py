@@ -920,7 +920,7 @@ for robot in range(5):
 show(stacked([*ribbons, state_legend(900)], [*NAMES, ""], gap=2))
 
 # %% [markdown]
-# The *pushed* and the *turned* one hardly leave Follow: their anchor is still in view, and they come back in an S-curve. Behind a *person* the robot coasts, and follows again once it sees enough. If the person stayed longer than the timeout, the robot would give up, though it's on the right path. In notebook 06 a planner will try again. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
+# The *pushed* and the *turned* one never leave Follow: their anchor is still in view, and they come back in an S-curve. Behind a *person* the robot coasts, and follows again once it sees enough. If the person stayed longer than the timeout, the robot would give up, though it's on the right path. In notebook 06 a planner will try again. The *carried* one notices at once, and stops four seconds later. It's a [[kidnapped robot]], and it knows that it's lost.
 #
 # Five robots are anecdotes. The [results page](../tutorial_lib/results/README.md#disturbances) covers many more, in twenty buildings that no network has seen.
 #
@@ -1039,7 +1039,7 @@ show(cover_chart(clean, "sparsity", 8.0))
 # Not quite: the <i>distance</i> isn't fixed. A car drives slowly where driving is hard, and so records more images there. What the rule can't do is adapt to the <i>controller</i>.
 # </details>
 # <details><summary>Does context pay off?</summary>
-# In anchors, yes: k = 5 needs the fewest. In stored images it's the other way round: k = 0 needs the fewest by far. In the paper the cover rate without context is at most 90 %; here it's as high without as with, since painted walls are easy to tell apart.
+# In anchors, yes: k = 5 needs the fewest. In stored images it's the other way round: k = 0 needs the fewest by far. In the paper the cover rate without context is at most 90 %; here it's nearly as high without as with, since painted walls are easy to tell apart.
 # </details>
 #
 # ## 8 · A field trip

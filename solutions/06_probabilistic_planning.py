@@ -1534,7 +1534,7 @@ show(from_figure(figure))
 # 1. **As assumed.** RE is exact, and hops are independent.
 # 2. **Shared luck.** RE is exact for each hop, but a robot that drives one hop well drives all of them well.
 # 3. **Replanning.** As in 1, but a failed hop gets a second try, which succeeds nearly half the time.
-# 4. **The best of many.** RE is right on average but noisy, and the planner takes the best of thirty paths.
+# 4. **The best of many.** RE is about right on average but noisy, and the planner takes the best of thirty paths.
 
 # %% hidden=true
 # Twenty thousand made-up paths in each of four worlds
