@@ -353,7 +353,8 @@ def frames_to_keep(anchors, total, k):
     """The frames to store for a trajectory's anchors with their contexts.
 
     anchors: array (A,) of their indices, increasing; the first and the
-    last frame need not be among them. total: frames of the whole trajectory, 0 to total - 1.
+    last frame need not be among them. total: frames of the whole
+    trajectory, 0 to total - 1.
     k: frames of context on either side, 3 apart, 0 or more. A context that
     reaches beyond an end repeats the frame there.
     Returns the indices of the frames, whole numbers, each once and in any

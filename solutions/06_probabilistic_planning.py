@@ -287,8 +287,8 @@ def most_probable_path(graph, start, goal):
     """The most probable path from start to goal.
 
     graph: dictionary of dictionaries, graph[v][w] is RE from v to w, above 0
-    and at most 1. It has an entry for every vertex, and must not change. start,
-    goal: two of its vertices.
+    and at most 1. It has an entry for every vertex, and must not change.
+    start, goal: two of its vertices.
     Returns the list of vertices from start to goal, both included, and the
     probability of the whole path, the product of RE along it; [] and 0.0 where
     there is no path.

@@ -675,9 +675,9 @@ def global_policy(graph, here, ghosts, scores, goal=None, weight=0.0):
     goal: the node in which the goal was localised, or None.
     weight: w, the weight of the metres along the graph to a ghost's node
     divided by 20.
-    Returns the next node on the shortest path, which is `here` if it ends here,
-    and the ghost at its end; None for the ghost if the path leads to the goal's
-    node. With neither goal nor ghosts: `here` and None.
+    Returns the next node on the shortest path, which is `here` if it ends
+    here, and the ghost at its end; None for the ghost if the path leads to
+    the goal's node. With neither goal nor ghosts: `here` and None.
     """
     ### BEGIN SOLUTION
     ghost, end = None, goal
