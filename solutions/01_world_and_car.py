@@ -506,11 +506,11 @@ cloud = Prediction(
     "of errors look like?",
     {
         "A": "as large as this cloud",
-        "B": "smaller, and longer ahead than across",
-        "C": "smaller, and longer across than ahead",
+        "B": "smaller, and longer lengthwise than across",
+        "C": "smaller, and longer across than lengthwise",
     },
     right="C",
-    robot=f"its odometry is {along:.2f} m off ahead and {across:.2f} m across (standard "
+    robot=f"its odometry is {along:.2f} m off lengthwise and {across:.2f} m across (standard "
     f"deviations); the cars themselves are spread over {spread:.2f} m. For half of the cars it's less "
     f"than {half:.2f} m off, for nine tenths less than {most:.2f} m.",
     tempting="B",

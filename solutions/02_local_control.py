@@ -162,7 +162,7 @@ display(steer)
 #
 # **Three old questions first.**
 #
-# <details><summary>Notebook 01: a door is 2 m ahead of the robot and 1 m to its left. The robot turns left by 90° in place. Where's the door now, in its frame?</summary>
+# <details><summary>Notebook 01: a door is 2 m ahead of the robot and 1 m to its left. The robot turns left by 90° in place. Where's the door now, in the robot's frame?</summary>
 # At (1, −2): 1 m ahead, and 2 m to the right.
 # </details>
 # <details><summary>Notebook 01: half a metre to the car's left, or three metres ahead: which place is harder to reach?</summary>
@@ -1295,7 +1295,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 #
 # ## 11 · Beside the paper
 #
-# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and even light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the *oracle* shows what the car's body and the time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
+# The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and uniform light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the *oracle* shows what the car's body and the time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
 # Success rates beside the paper's, with 95 % intervals

@@ -1098,7 +1098,7 @@ if sure.any():
 #
 # ## 6 · Your own sixty
 #
-# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool; their outcomes become labels, together they weigh as much as the mined pairs of exercise 5, and a network is trained on everything. All that happens five times, each with a new `rng` and new initial weights: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: half on 300 ordinary rollouts, half on all far, occluded pairs.
+# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool, and their outcomes become labels. Together, these pairs weigh as much as the mined ones of exercise 5, and a network is trained on them and the 300. All that happens five times, each with a new `rng` and new initial weights: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: 300 ordinary rollouts count one half, all far, occluded pairs the other.
 #
 # The **score** is the share of the squared error that a network removes, in percent: 0 means it always predicts the average, 100 that it's always right. Below 0 is worse than no network at all. There are three baselines to beat: the 300 rollouts alone, 60 more pairs drawn at random, and the 60 look-alikes that the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
@@ -1464,7 +1464,7 @@ show(from_figure(figure))
 #
 # - say what *reachable* means, and why it belongs to the controller and isn't a distance;
 # - turn rollouts into labels, and write the loss that makes a network predict probabilities;
-# - measure whether probabilities are right, and recalibrate them if they aren't;
+# - check whether probabilities are right, and recalibrate them if they aren't;
 # - explain why an estimator that's nearly always right isn't good enough for a map, and mine the pairs it gets wrong.
 #
 # **Extras, if you like.** Draw the maps of section 1 for starts turned by 45°: where does the blue area go? Evaluate `ReachabilityNetwork("reach_k5")`, which belongs to another controller, on the outcomes of k = 2: in which direction is it wrong? Fit a temperature *and* an offset, $\sigma(z/T + b)$: what does the offset correct? Fit a temperature on one grid of section 1, and test it on the other.

@@ -814,7 +814,7 @@ apart = Prediction(
 display(apart)
 
 # %% [markdown]
-# That's **[[perceptual aliasing]]**: two places, one image. The edge that results is a **[[wormhole]]**. We count every edge longer than 5 m along the shortest path as one. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
+# That's **[[perceptual aliasing]]**: two places, one image. The edge that results is a **[[wormhole]]**. Every edge whose ends are more than 5 m of driving apart counts as one. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
 #
 # ### One image lies, a sequence hardly ever does
 #
@@ -945,7 +945,7 @@ display(swap)
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. Each start has paths to the ends elsewhere: 6 · 4 = 24. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. Section 3's rule keeps all 24, but adds wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you score 19. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. Six starts with four ends elsewhere each make 24 paths. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. Section 3's rule keeps all 24, but adds wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you score 19. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
 #
 # | each is (V,) | |
 # |---|---|

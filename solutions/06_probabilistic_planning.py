@@ -265,7 +265,7 @@ display(pencil)
 # %% [markdown]
 # ### The shortest path in disguise
 #
-# A map has too many paths to try them all. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. From the start vertex, it settles one vertex after another, always the nearest one that's left.
+# A map has too many paths to try one by one. So use notebook 05's trick: let $-\log \mathcal{RE}$ be the **length** of an edge, 0 for a sure one and large for a doubtful one, never negative. Then the most probable path is the shortest, and Dijkstra's algorithm finds it. It settles one vertex after another, always the one left that's nearest to the start.
 #
 # A *heap* hands you the nearest first. A vertex may be in it several times, once for each path that reached it. The first copy to come out has the shortest path; the others are stale.
 #
@@ -1590,9 +1590,9 @@ luck = Prediction(
     "World 1 is grey. In world 2, hops share their luck. Where will its curve lie?",
     {"A": "above the diagonal", "B": "on it", "C": "below it"},
     right="A",
-    robot=f"in world 2 its paths promise {came_true[1][0]:.2f} on average, and "
-    f"{came_true[1][1]:.2f} of them come true. In world 3, {came_true[2][1]:.2f} do; in world 4 "
-    f"they promise {came_true[3][0]:.2f}, and {came_true[3][1]:.2f} come true.",
+    robot=f"in world 2, paths promise {came_true[1][0]:.0%} on average, and "
+    f"{came_true[1][1]:.0%} of them come true. In world 3, {came_true[2][1]:.0%} do; in world 4 "
+    f"they promise {came_true[3][0]:.0%}, and {came_true[3][1]:.0%} come true.",
     tempting="C",
     because="bad luck strikes the whole path. But so does good luck: a path then fails only "
     "about as often as its worst hop.",

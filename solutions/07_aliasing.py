@@ -348,11 +348,11 @@ table({**head, "edges of a plan": ".1f"}, rows)
 #
 # ### Predict
 #
-# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, a share of about $d/\ell_v$ leaves for small $d$, and at most all of it. After two motions of $d$, as much must remain as after one of $2d$. Only one function does that:
+# $b_v$ is the belief in state $v$: a vertex or, as the last state, off the map. The wheels measure a motion of $d$ metres, in which 1 rad of turning counts as half a metre. How much of the belief leaves $v$? If its edges are $\ell_v$ metres long on average, about $d/\ell_v$ of it leaves when $d$ is small, and never more than all of it. After two motions of $d$, as much must remain as after one of $2d$. Only one function does that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
-# $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and the last row leads anywhere. $\bar b$ is the **[[prior]]**, what's believed before the next look. Odometry drift hardly matters: only the *last* motion is used.
+# $P(w\mid v)$, row $v$ of the matrix `onward`, says where the edges of $v$ lead. A little of each row leads off the map, and the last row leads back to every vertex. $\bar b$ is the **[[prior]]**, what's believed before the next look. Odometry drift hardly matters: only the *last* motion is used.
 #
 # <details><summary>What's the prior after no motion at all? After a very large one?</summary>
 # Nothing leaves: the prior is the belief. After a very large motion, all of it has left, but crossed only one edge. So predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
@@ -912,7 +912,7 @@ around_cycles = check_around_cycles.use(around_cycles)
 # %% [markdown]
 # ## 8 · The same door, once more
 #
-# Here's the first screen's trip, with the map built by sequences, a belief, a count of visits, and as many plans as it takes. At first, the robot can't know which room it's in. Watch when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
+# Here's the first screen's trip, now with sequences, a belief, a count of visits, and as many plans as it takes. At first, the robot can't know which room it's in. Watch when it finds out. This is the twin of the paper's Fig. 12. (About 15 s.)
 
 # %% hidden=true
 # The first screen's trip with all remedies (about 15 s)

@@ -261,7 +261,7 @@ length = check_length.use(length)
 # %% [markdown]
 # ## 3 · A map by sampling
 #
-# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks three questions of each. *Reachable* means that $\hat r$ is high and the images taken between the two agree.
+# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks up to two questions of each. *Reachable* means that $\hat r$ is high and the images taken between the two agree.
 #
 # - **is it mergeable** with a vertex: is one reachable from the other, and closer than $D_m$ in that direction? Then it's redundant: drop it.
 # - **is it connectable** to some vertex: the same question, with $D_c$ instead? Then it becomes a vertex, with an edge for *every* such pair.
@@ -454,7 +454,7 @@ sliders(
 # - a pruned edge that once worked *comes back* after some queries, though barely believed;
 # - where the laser sees something on the path that wasn't there when the map was made, the edges through it are blocked, and come back soon: a shut door isn't the map's mistake.
 #
-# A fourth rule saves time: the robot **looks before it drives**. If it clearly can't see an edge's target, it believes the edge less, and takes another. Looking alone gets rid of an edge through a wall. A [[wormhole]] between look-alikes passes every look; only a drive exposes it.
+# A fourth rule saves time: the robot **looks before it drives**. If it clearly can't see an edge's target, it trusts the edge less, and takes another. Looking alone gets rid of an edge through a wall. A [[wormhole]] between look-alikes passes every look; only a drive exposes it.
 #
 # ### Exercise 4 · `gaussian` (easy, 5 minutes)
 #
@@ -490,7 +490,7 @@ gaussian = check_gaussian.use(gaussian)
 #
 # ### Exercise 5 · `live` (large, 30 minutes)
 #
-# A query is a start and a goal. For each, plan the shortest path in metres, drive its *first* edge, update the belief in that edge, and plan again from where you are. Lengths stay as they are. A failure leaves the robot where it was. An edge that failed is left out for the rest of the query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins; a query whose start is its goal has arrived.
+# A query is a start and a goal. For each, plan the shortest path in metres, drive its *first* edge, update the belief in that edge, and plan again from where you are. Lengths stay as they are. A failure leaves the robot where it was. An edge that failed is left out for the rest of the query, and taken out of the graph for good if its probability fell below `prune`. If no path is left, the query is lost, and the next one begins; a query whose start is its goal counts as arrived.
 #
 # The bookkeeping is up to you. The check runs your loop in small buildings with a wormhole, a shut door and a flaky edge.
 #

@@ -168,7 +168,7 @@ display(ways)
 #
 # This is [[image-goal navigation]] in its hardest form. Your robot gets a [[panorama]] with the depth of each column, and the goal's panorama. It can drive 0.25 m ahead, turn by 10°, or stop. Its motion and odometry are a little off, as on a real robot. It succeeds if it says *stop* within 1 m of the goal, and within 500 actions.
 #
-# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. It's drawn by odometry, so it's a little off; the arrowhead is the robot. Dark dots are where the robot looked around. Pink dots look promising, the more so the deeper the pink. The amber ring is where it's going. The compass rose has a bar for each of twelve directions, numbered from 0, straight ahead, round to the left: the longer a bar, the better. A bar is pink where there's a pink dot, amber where the robot's going.
+# Here's the library's agent on a *hard* episode: the shortest path is 5 to 10 m. The white map is **all that it remembers**. It's drawn from odometry, so it's a little off; the arrowhead is the robot. Dark dots are where the robot looked around. Pink dots look promising, the more so the deeper the pink. The amber ring is where it's going. The compass rose has a bar for each of twelve directions, numbered from 0, straight ahead, round to the left: the longer a bar, the better. A bar is pink where there's a pink dot, amber where the robot's going.
 #
 # The cell takes about 5 s. Move the slider, and guess where the goal is. Only then choose *shown*.
 
@@ -491,7 +491,7 @@ display(gone)
 # 2. it gets none in a direction where another node stands;
 # 3. and *that* node loses its ghost in the direction of the new one.
 #
-# So a ghost always stands for something unexplored. Each edge stores the pose of one end in the frame of the other. That's a few metres of odometry, so drift doesn't add up across the building.
+# So a ghost always stands for something unexplored. Each edge stores the pose of one end in the frame of the other. That's a few metres of odometry, so drift doesn't build up across the building.
 #
 # ### Exercise 2 · `add_ghosts` (medium, 12 minutes)
 #
@@ -953,10 +953,10 @@ display(blind)
 # So in a plain building, far from the goal, the score is mere habit: it knows which direction leads *out*. With accents, it compares hues, and knows which direction leads closer. Thin lines are 95 % intervals.
 #
 # <details><summary>How large are the differences, in points?</summary>
-# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points, and on medium ones 22 to 27: the two panoramas show much of the same, and a network can compare them. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are in another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">results page</a> has the rest.
+# On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points, and on medium ones 22 to 27: the two panoramas show much of the same, and a network can compare them. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are at another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">results page</a> has the rest.
 # </details>
 # <details><summary>Would better eyes help?</summary>
-# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions, next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard decisions, the model that knows the goal finds the best direction in 70 % of cases in wayfinding buildings, and in 51 % in plain ones. These models choose at other places and see no panoramas, so compare only their gains with the chart's. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
+# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and next to nothing, 2, on hard decisions. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard decisions, the model that knows the goal finds the best direction in 70 % of cases in wayfinding buildings, and in 51 % in plain ones. These models choose at other places and see no panoramas, so compare only their gains with the chart's. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
 # </details>
 # <details><summary>Then why does F_S help in the paper, whose homes have no accents?</summary>
 # A likely reason: homes aren't laid out at random. A bathroom is next to bedrooms, a kitchen next to the dining room, and wherever a room's place depends on its kind, one room says something about where others are. In the paper's Table 1, the advantage over the next best agent is largest on hard episodes. The <i>buildings</i> carry the semantics; a network can only pick them up.
