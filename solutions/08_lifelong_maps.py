@@ -853,7 +853,7 @@ presses(TamperedMap(toured, living, many, SHUT, first=SIZE * len(DAYS)))
 
 # %% [markdown]
 # <details><summary>How many failures does an edge through a wall survive?</summary>
-# Often no drive fails: the robot looks along the edge, doesn't see the edge's target, and takes another. After two or three looks, the edge is gone, if a robot comes by at all: robots look only along edges on a shortest path. All 25 robots share the map, so each lesson is learnt once. An edge that never worked doesn't come back by itself.
+# Often no drive fails: the robot looks along the edge, doesn't see the edge's target, and takes another. After two or three looks, the edge is gone, if a robot comes by at all: robots look only along edges on a shortest path. All 25 robots share the map, so each finding counts for all. An edge that never worked doesn't come back by itself.
 # </details>
 #
 # ### In eight other buildings
