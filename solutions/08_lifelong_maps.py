@@ -883,7 +883,7 @@ axes.legend(loc="lower right", fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
-# After fifty queries, learning helps; from then on, the gain hardly grows. And it isn't free: unused images come in, and the map grows.
+# Learning doesn't help for a hundred queries; then it does, by about four trips in a hundred, and the gain hardly grows. And it isn't free: unused images come in, and the map grows.
 #
 # ## 9 · Fewer vertices
 #
