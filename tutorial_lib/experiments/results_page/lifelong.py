@@ -27,8 +27,14 @@ AGENTS = {
     "meng": "Meng",
     "meng_mending": "Meng's map, kept up to date",
     "oracle": "oracle",
+    "lenient": "with the paper's test of success",
+    "no_trust": "no arrival is trusted",
+    "own_blame": "the edge before shares no blame",
+    "no_return": "no pruned edge returns",
+    "no_expansion": "no expansion",
+    "no_reverse": "no edge in reverse",
 }
-"""How agents are called on the page."""
+"""How agents, and LTVN's without one of its parts, are called on the page."""
 TERMS = {
     "all": "all pairs within 3 m",
     "overlap": "views overlap",

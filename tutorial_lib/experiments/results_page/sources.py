@@ -25,6 +25,8 @@ EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
 LIFELONG = ("label", "model", "finetune", "lifelong", "spurious", "change")
 """Experiments of maps that mend themselves."""
+LIVES = ("parts",)
+"""Ablations of hundreds of queries."""
 RACES = ("exact", "car", "toured", "carried", "changed", "ingredients")
 """Ablations of the race."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
@@ -100,6 +102,7 @@ EXPERIMENTS = {
     "faults": "experiment faults",
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
+    **{f"ltvn_lifelong_{name}": f"experiment ltvn_lifelong --ablation {name}" for name in LIVES},
     "nts_table1_car": "experiment nts_table1 --body car",
     "nts_table1_rules": "experiment nts_table1 --ablation rules",
     "nts_table2_rl": "experiment nts_table2 --ablation rl",
