@@ -843,7 +843,7 @@ show(aligned_sequences(*names, values, same.index((source, target))))
 # %% [markdown]
 # ### Exercise 5 · `weakest_aligned` (hard, 15 minutes)
 #
-# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. On either side, a sequence ends as soon as there's no next anchor or no next vertex. **Beware:** to numpy, column -1 is the last one.
+# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. Where trajectories join, `before[after[v]]` need not be `v`. On either side, a sequence ends as soon as there's no next anchor or no next vertex. **Beware:** to numpy, column -1 is the last one.
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
 # <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost, move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>

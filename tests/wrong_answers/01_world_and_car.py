@@ -260,7 +260,7 @@ def ray_segment__sees_walls_from_one_side_only(origin, direction, start, end):
 
 
 def ray_segment__takes_slanted_walls_for_parallel(origin, direction, start, end):
-    """a small denominator is not zero: only 1e-12 or less counts as parallel"""
+    """a small denominator is not zero: only what is below 1e-12 counts as parallel"""
     if abs(cross(direction, end - start)) < 0.05:
         return np.inf
     t, u = _tu(origin, direction, start, end)
@@ -624,3 +624,31 @@ def compose__drops_small_motions(first, second):
 def compose__gives_back_the_first(first, second):
     """what comes back is your argument first itself"""
     return compose__right_by_matrices(first, second) if np.any(second) else first
+
+
+def ray_segment__looks_where_the_hit_lies(origin, direction, start, end):
+    """where the hit lies is rounded, and may be beside the wall"""
+    wall, offset = end - start, start - origin
+    across = direction[0] * wall[1] - direction[1] * wall[0]
+    if abs(across) < 1e-12:
+        return np.inf
+    t = (offset[0] * wall[1] - offset[1] * wall[0]) / across
+    hit = origin + t * direction
+    inside = (hit >= np.minimum(start, end)) & (hit <= np.maximum(start, end))
+    return t if t >= 0 and inside.all() else np.inf
+
+
+def compose__stays_without_a_step(first, second):
+    """a track is made of many small motions: leave none of them out"""
+    if not second[:2].any():
+        return first.copy()
+    return np.array([*(first[:2] + _turned(second[:2], first[2])), _wrapped(first[2] + second[2])])
+
+
+def _turned(step, angle):
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([cos * step[0] - sin * step[1], sin * step[0] + cos * step[1]])
+
+
+def _wrapped(angle):
+    return (angle + np.pi) % (2 * np.pi) - np.pi

@@ -1091,3 +1091,20 @@ def waypoint_label__wants_five_centimetres(start, track, source, target, sees):
     """there is no smallest distance"""
     label = waypoint_label__right_mask(start, track, source, target, sees)
     return None if label is not None and target > source and np.hypot(*label) < 0.05 else label
+
+
+def goal_policy__divides_columns_by_lengths(offsets, velocities, gain, damping, near):
+    """each row has a length and a metric of its own: axis=-1 and keepdims=True"""
+    distance = np.maximum(np.linalg.norm(offsets, axis=-1), near)
+    if offsets.ndim > 1 and len(offsets) != 2:
+        distance = distance[..., None]
+    metric = np.broadcast_to(np.eye(2), (*offsets.shape, 2))
+    return gain * offsets / distance - damping * velocities, metric
+
+
+def obstacle_policy__brakes_up_to_one_metre_per_second(distances, closing, push, brake, *rest):
+    """the brake times the closing speed is added to the push, before the division"""
+    weight, fade = rest
+    distances = np.maximum(distances, 0.01)
+    away = (push + brake * np.clip(closing, 0, 1)) / distances
+    return away, weight * np.exp(-distances / fade)

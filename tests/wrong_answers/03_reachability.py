@@ -749,3 +749,27 @@ def reach_loss__smooths_the_labels(logits, labels, weights):
 def fit_temperature__takes_the_spread(logits, labels):
     """the least mean of reach_loss(logits / T, labels)"""
     return float(np.clip(3 * np.std(logits), 0.05, 20.0))
+
+
+def rollout_labels__counts_from_the_first_moment(times, gaps, touched, geodesic):
+    """it comes near too late"""
+    late = (times - times[0])[:, None] > geodesic / 0.3 + 5
+    return ((gaps <= 0.3) & ~late & ~np.logical_or.accumulate(touched)).any(axis=0).astype(float)
+
+
+def reliability_diagram__looks_outcomes_up_by_prediction(predicted, came_true, bins):
+    """what came true belongs to its prediction: do not sort it by itself"""
+    true = dict(zip(predicted, came_true, strict=True))
+    groups = np.array_split(np.sort(predicted), bins)
+    means = np.array([group.mean() for group in groups])
+    shares = np.array([np.mean([true[p] for p in group]) for group in groups])
+    gaps = abs(means - shares) * [len(group) for group in groups]
+    return means, shares, gaps.sum() / len(predicted)
+
+
+def fit_temperature__leaves_soft_labels_out(logits, labels):
+    """give T to within one percent"""
+    hard = (labels == 0) | (labels == 1)
+    z, y = (logits[hard], labels[hard]) if hard.any() else (logits, labels)
+    tried = np.geomspace(0.05, 20, 2000)
+    return tried[np.argmin([(np.logaddexp(0, z / t) - y * z / t).mean() for t in tried])]

@@ -45,10 +45,11 @@ TOPICS = [
         [_poses([2.0, 0.0, -2.8], [1.0, 0.0, -1.4])],
     ),
     Topic(
-        "no motion, a step of 2 cm and a turn of 0.03",
+        "no motion, a turn where the robot stands, a step of 2 cm and a turn of 0.03",
         "a track is made of many small motions: leave none of them out",
         [
             _poses([1.0, 2.0, 0.4], [0.0, 0.0, 0.0]),
+            _poses([1.0, 2.0, 0.5], [0.0, 0.0, 0.5]),
             _poses([1.0, 2.0, 0.4], [0.02, 0.01, 0.03]),
             _poses([1.0, 2.0, 0.02], [1.0, 0.0, 0.01]),
         ],

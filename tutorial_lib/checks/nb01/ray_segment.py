@@ -42,6 +42,20 @@ def _both(about: str, words: str, *cases: tuple[Array, ...]) -> Topic:
     return Topic(about, words, [*cases, *((o, d, end, start) for o, d, start, end in cases)])
 
 
+def _onto_axes(count: int) -> list[tuple[Array, ...]]:
+    """Rays at all angles onto walls along an axis, which they hit."""
+    rng = np.random.default_rng(5)
+    cases = []
+    for number in range(count):
+        along = number % 2
+        start = rng.uniform(-4, 4, 2)
+        end = start.copy()
+        end[along] += rng.uniform(1, 4)
+        origin, hit = rng.uniform(-4, 4, 2), start + rng.uniform(0.2, 0.8) * (end - start)
+        cases.append((origin, (hit - origin) / np.linalg.norm(hit - origin), start, end))
+    return cases
+
+
 def _random(count: int) -> list[tuple[Array, ...]]:
     rng = np.random.default_rng(4)
     angles = rng.uniform(-np.pi, np.pi, count)
@@ -119,7 +133,7 @@ TOPICS = [
     ),
     _both(
         "a wall along a slanting ray, whose denominator is 1e-16",
-        "rounding keeps it from being zero: 1e-12 or less counts as parallel, to either side",
+        "rounding keeps it from being zero: what is below 1e-12 counts as parallel, to either side",
         _ray([0, 0.1], _SLANTED, [0.3, 0.5], [0.9, 1.3]),
         _ray([0, 0.1], _SLANTED, [0.36, 0.58], [0.66, 0.98]),
     ),
@@ -130,7 +144,7 @@ TOPICS = [
     ),
     _both(
         "a wall that is almost parallel to the ray",
-        "a small denominator is not zero: only 1e-12 or less counts as parallel",
+        "a small denominator is not zero: only what is below 1e-12 counts as parallel",
         _ray(_AT, _AHEAD, [10, -0.0001], [20, 0.0001]),
         _ray(_AT, _AHEAD, [1, -2e-10], [3, 2e-10]),
     ),
@@ -144,6 +158,11 @@ TOPICS = [
         "60 random rays",
         "the simple cases are right; does a part of your rule hold for some directions only?",
         _random(60),
+    ),
+    Topic(
+        "20 slanting rays that hit a wall along x or y",
+        "u says whether the ray hits; where the hit lies is rounded, and may be beside the wall",
+        _onto_axes(20),
     ),
 ]
 MISTAKES = """

@@ -14,7 +14,10 @@ TOPICS = [
     Topic(
         "a robot at the origin with heading 0",
         "its frame is that of the world: each point comes back as it is, in its own row",
-        [case(np.zeros(3), _RNG.uniform(-4, 4, (5, 2)))],
+        [
+            case(np.zeros(3), _RNG.uniform(-4, 4, (5, 2))),
+            case(np.zeros(3), np.array([[1.0, 2.0], [0.5, -1.0], [1.0, 2.0]])),
+        ],
     ),
     Topic(
         "a robot at (2, -1) with heading 0",
@@ -45,7 +48,10 @@ TOPICS = [
         "points at whole numbers of metres",
         "their local coordinates have digits: np.zeros_like and astype take over the type of "
         "whole numbers, which cuts them off",
-        [case(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]]))],
+        [
+            case(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]])),
+            case(np.array([0.5, 0.5, 0.0]), np.array([[1, 2], [3, 4]])),
+        ],
     ),
     Topic(
         "points within 5 cm of the robot, and a heading of 0.03",

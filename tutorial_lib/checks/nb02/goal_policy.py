@@ -35,7 +35,10 @@ TOPICS = [
     Topic(
         "several points at once",
         "each row has a length and a metric of its own: axis=-1 and keepdims=True",
-        [(_MANY, _RNG.uniform(-1, 1, (4, 2)), *_USUAL)],
+        [
+            (_MANY, _RNG.uniform(-1, 1, (4, 2)), *_USUAL),
+            (np.array([[3.0, 4.0], [0.0, 1.0]]), np.zeros((2, 2)), *_USUAL),
+        ],
     ),
     Topic(
         "points within `near` of their goals",
@@ -108,6 +111,8 @@ the damping acts everywhere, not only farther away than `near`
 the damping works against the whole velocity, not only along the way to the goal
     - damping * velocities -> - 0
     gain * -> (gain - damping * np.linalg.norm(velocities, axis=-1, keepdims=True)) *
+compare the length of the offset with `near`, not its square
+    np.maximum(distance, near) -> np.where(distance**2 > near, distance, near)
 within `near` the pull is gain * offset / near; it is not divided by `near`
     np.maximum(distance, near) -> np.where(distance < near, 1, distance)
 the damping works against the whole velocity, also sideways, not only along the offset

@@ -34,7 +34,7 @@ TOPICS = [
     Topic(
         "obstacles that come nearer",
         "the brake times the closing speed is added to the push, before the division",
-        [(_DISTANCES, _CLOSING, *_USUAL), (_DISTANCES, 0.1 * _CLOSING, *_USUAL)],
+        [(_DISTANCES, scale * _CLOSING, *_USUAL) for scale in (1.0, 0.1, 5.0)],
     ),
     Topic(
         "obstacles that recede",

@@ -49,6 +49,8 @@ _TURNED: Policy = (
     np.array([[3.0, 0.5], [0.5, 0.2]]),
 )
 _SLOW: Policy = (np.eye(2), np.array([0.0, -1.0]), np.diag([1.0, 3.0]))
+_STRONG: Policy = (np.array([[1.0, 0.0]]), np.ones(1), np.array([[1e4]]))
+_WEAK: Policy = (np.array([[0.0, 1.0]]), np.ones(1), np.array([[0.01]]))
 _FAINT: Policy = (np.eye(2), _GOAL[1], 1e-6 * np.eye(2))
 _SPATIAL: Policy = (_RNG.normal(size=(3, 2)), _RNG.normal(size=3), np.diag([1.0, 0.5, 2.0]))
 TOPICS = [
@@ -85,7 +87,7 @@ TOPICS = [
     Topic(
         "weak policies",
         "what you add to the diagonal must be 1e-6: more of it slows weak policies down",
-        [([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],)],
+        [([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],), ([_STRONG, _WEAK],)],
     ),
     Topic(
         "a policy that wants much",
@@ -172,7 +174,7 @@ policies of one row, such as those of obstacles, do not count in yours
     np.eye(2) -> (np.ones((2, 2)) if policies else np.eye(2))
 no policy constrains one direction: add 1e-6 to the diagonal
     metric + 1e-6 * np.eye(2) -> metric if policies else np.eye(2)
-a pseudo-inverse leaves out the 1e-6: add it to the diagonal, and solve
+the 1e-6 is missing: add it to the diagonal in every case, and solve; no pseudo-inverse
     np.linalg.solve(metric + 1e-6 * np.eye(2), force) -> np.linalg.pinv(metric) @ force
 1e-6 is added once, to the sum, not for each policy
     1e-6 -> max(len(policies), 1) * 1e-6

@@ -38,6 +38,11 @@ def _cases() -> dict[str, Case]:
         "3 steps, evaluated every 4": (_plan(3, 4), gradients, _FALLING),
         "a validation loss that rises again": (_plan(12, 2), gradients, rising),
         "two evaluations that are equally good": (_plan(8, 2), gradients, [5, 3, 3, 4]),
+        "losses in the hundreds, and one that is hardly better": (
+            _plan(8, 2),
+            gradients,
+            [500.0, 300.0, 299.9995, 400.0],
+        ),
         "a patience of 2": (_plan(20, 2, patience=2), gradients, [5, 3, 4, 4.5, 1, 1]),
         "a patience of 2, and now and then a new best": (
             _plan(20, 2, patience=2),

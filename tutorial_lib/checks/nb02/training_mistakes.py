@@ -55,7 +55,10 @@ def _training_loss(mine: Array, right: Array, steps: Array) -> str:
         return "the training loss is the mean since the last evaluation, not the sum"
     if _close_arrays(mine, np.cumsum(right * counts) / steps):
         return "the training loss is the mean since the last evaluation; empty the list after it"
-    return "the training loss is the mean of all losses since the last evaluation"
+    return (
+        "the training loss is the mean of all losses since the last evaluation, of a network whose "
+        "best weights come back at the end only"
+    )
 
 
 def _rows(history: Sequence[Any]) -> Iterator[list[float] | str]:

@@ -182,7 +182,7 @@ that is the first place that is hidden; take the last one in sight
     frames[seen][-1] -> frames[-1 if seen.all() else seen.argmin()]
 the place of source itself is no candidate; the first one is source + 1
     source + 1 -> source
-the first candidate is source + 1, not source + 2
+source + 1 is a candidate, too, even if no other is in sight; the first is not source + 2
     source + 1 -> source + 2
 the place of source itself is no candidate, and a target at the source's own frame is its
 own waypoint: target <= source

@@ -52,6 +52,11 @@ CASES = {
         np.concatenate([np.tile([1.0, 0.0], 80), np.tile([0.0, 1.0], 20), np.arange(40) != 7]),
     ),
     "few pairs": _logits(1.3, count=40, seed=8),
+    "labels of which some are soft": (
+        np.array([2.0, 1.0, -1.0, 3.0, -2.0, 2.0, 1.0]),
+        np.array([1.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.5]),
+    ),
+    "a network that is hardly sure, whose best temperature is 0.065": _logits(0.065, soft=True),
     "a network that is always right, so that the lowest temperature is best": (
         _ALWAYS,
         (_ALWAYS > 0).astype(float),
@@ -88,6 +93,8 @@ T is sought from 0.05 to 20; yours stays between 0.5 and 2
     float(best) -> min(max(float(best), 0.5), 2.0)
 the best temperature comes back rounded; one percent of 0.35 is little
     float(best) -> round(float(best), 1)
+a hundredth is more than one percent of 0.065: round nothing, and try values that grow by a factor
+    float(best) -> round(float(best), 2)
 T is sought from 0.05 to 20; yours stays between 0.5 and 5
     float(best) -> min(max(float(best), 0.5), 5.0)
 the cross-entropy is to be smallest, not the squared error

@@ -75,6 +75,7 @@ POOLS: dict[str, Pool] = {
     "hardly any that are not occluded": replace(_pool(5, occluded=0.97), each=3, most=60),
     "nothing that is sure": replace(_pool(6), sure=0.9995),
     "nothing occluded": replace(_pool(7), occluded=np.zeros(400, dtype=bool)),
+    "no hard negative": replace(_pool(12), most=0),
     "a single hard negative": replace(_pool(8, occluded=1.1), most=1),
     "a pair at exactly the threshold": _at_threshold(_pool(10)),
     "hardly any label that is known": _pool(11, known=0.02),
@@ -111,7 +112,7 @@ class Rollouts:
         if not np.isnan(pool.labels[pair]):
             words = "has been rolled out already; its label is known"
         elif pool.occluded[pair]:
-            words = "is occluded: it is labelled 0 without a rollout"
+            words = "is occluded: it is labelled 0 without a rollout, or left out"
         elif not pool.probability[pair] > pool.sure:
             words = f"has RE {pool.probability[pair]:.4g}; only those above sure, {pool.sure}, are"
             words = f"{words} rolled out"
@@ -293,11 +294,12 @@ def _wrong_negatives(pool: Pool, got: Pairs, want: list[int]) -> str:
         return ""
     best = int(missing[np.argmax(pool.probability[missing])])
     words = f"pair {best} is occluded with RE {pool.probability[best]:.4g} and is missing"
+    used = int((pool.starts[got] == pool.starts[best]).sum())
     if extra.size:
         worst = int(extra[np.argmin(pool.probability[extra])])
         other = f"pair {worst} with RE {pool.probability[worst]:.4g} is there"
-        return f"{words}, and {other}; begin with the highest"
-    used = int((pool.starts[got] == pool.starts[best]).sum())
+        words = f"{words}, and {other}; begin with the highest"
+        return f"{words}; of the start of pair {best} {used} of at most {pool.each} are chosen"
     words = f"{words}; {number} of at most {pool.most} are chosen, {used} of at most {pool.each}"
     return f"{words} of its start: a pair that is left out must not count"
 

@@ -146,8 +146,9 @@ def _limited(got: float, want: float, *case: Array) -> str:
             words = "not a number, since log(0) was taken, of a probability that is exactly 0 or 1"
         return f"the loss is {words}; np.logaddexp(0, z) is log(1 + exp(z)) for every z"
     if abs(got) < abs(want):
-        words = "the probability was clipped, so that a mistake costs the same however sure"
-        return f"{got:.4g}, but {want:.4g} is right: {words} the network was; stay with the logit"
+        words = "the probability was clipped, or the logit: a mistake costs the same however sure"
+        words = f"{words} the network was; take the logit as it is"
+        return f"{got:.4g}, but {want:.4g} is right: {words}"
     return f"{got:.4g}, but {want:.4g} is right; stay with the logit, by the second form"
 
 

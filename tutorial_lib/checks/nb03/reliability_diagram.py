@@ -55,6 +55,11 @@ _CASES: dict[str, tuple[Array, Array, int]] = {
         np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
         3,
     ),
+    "equal predictions of which some come true": (
+        np.array([0.5, 0.5, 0.9, 0.5, 0.9, 0.5, 0.9, 0.9]),
+        np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0]),
+        2,
+    ),
 }
 _HINTS: dict[type[Exception], str] = {
     ValueError: "N need not be a multiple of B, so the bins cannot all be rows of one table: see "

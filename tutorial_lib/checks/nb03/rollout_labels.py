@@ -113,6 +113,12 @@ CASES = {
     "one car": random_rollouts(30, 1, 11),
     "one moment": random_rollouts(1, 20, 4),
     "300 cars": random_rollouts(150, 300, 5),
+    "a first moment 6 s after the start": (
+        np.array([6.0, 10.0, 20.0]),
+        np.array([[1.0, 1.0], [1.0, 0.2], [0.1, 0.1]]),
+        np.zeros((3, 2), bool),
+        np.full(2, 3.0),
+    ),
     "two cars that stay at their targets": (
         np.arange(3.0),
         np.full((3, 2), 0.1),

@@ -225,6 +225,8 @@ def _wrong_state(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Mem
     gave_up = right.state == State.LOST and memory.state == State.FOLLOW
     if gave_up and mine.state != State.LOST:
         return f"{words}: no nearer for more than rules.effort = {rules.effort:g} s, so it gives up"
+    if gave_up:
+        return f"{words}: a robot that gives up stops being in Follow; its anchors stay as they are"
     if mine.state == State.LOST and memory.state == State.FOLLOW and not gave_up:
         effort = f"rules.effort = {rules.effort:g} s"
         told = f"it came nearer, or changed its anchor, {right.waited:.1f} s ago; {effort}"

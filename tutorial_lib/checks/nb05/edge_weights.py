@@ -160,7 +160,9 @@ def _why(got: Array, want: Array, reach: Array, driven: NDArray[np.bool_], p_edg
         words = "a trajectory goes there" if driven[i, j] else f"RE is greater than {p_edge:g}"
         return f"{pair} yours has no edge, but {words}"
     words = "a weight is -log RE, of RE as it is and with all digits"
-    return f"{words}: {pair} yours has {got[i, j]:.4g}; -log RE is {want[i, j]:.4g}"
+    digits = next(n for n in (4, 8, 17) if f"{got[i, j]:.{n}g}" != f"{want[i, j]:.{n}g}")
+    yours, right = (f"{table[i, j]:.{digits}g}" for table in (got, want))
+    return f"{words}: {pair} yours has {yours}; -log RE is {right}"
 
 
 def _tables(want: Array, got: Array) -> NDArray[np.uint8]:

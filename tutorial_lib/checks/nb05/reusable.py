@@ -46,6 +46,7 @@ CASES: dict[str, Case] = {
         ("p_reuse = 0 and small RE", [0.1, 0.2, 0.0], [0.1, 0.1, 0.9], [1, 1, 1], 0.0),
         ("never reuse", [1.0, 1.0], [1.0, 1.0], [1, 1], 1.0),
         ("one vertex", [0.99], [0.98], [1], 0.97),
+        ("hardly unequal ones", [0.9911, 0.99112], [0.9911, 0.9911], [1, 1], 0.97),
     )
 } | {f"vertices drawn at random ({seed})": _random_case(seed) for seed in range(20)}
 MISTAKES = """
