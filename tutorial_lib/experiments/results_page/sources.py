@@ -25,7 +25,7 @@ EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
 LIFELONG = ("label", "model", "finetune", "lifelong", "spurious", "change")
 """Experiments of maps that mend themselves."""
-LIVES = ("parts",)
+LIVES = ("parts", "meng")
 """Ablations of hundreds of queries."""
 RACES = ("exact", "car", "toured", "carried", "changed", "ingredients")
 """Ablations of the race."""
