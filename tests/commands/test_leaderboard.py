@@ -31,7 +31,6 @@ GOOD = CLASS.format(init="pass", act="return np.full((3, 2), 0.5)")
 FOR_EVER = "while True: waypoints = 0"
 ALL = "x = []\n        while True: x.append(bytes(10**7))"
 FAULTY = {
-    "no file": (None, "there is no file "),
     "syntax error": ("class Mine(\n", "own.py, line 1: SyntaxError"),
     "wrong class": (GOOD.replace("Mine", "Another"), "own.py has no Mine"),
     "missing method": (GOOD.replace("act(", "drive("), "has the methods of no component"),
@@ -121,11 +120,19 @@ def test_a_faulty_class_gets_an_entry_and_a_line(board, fault, tmp_path, monkeyp
     (entry,) = entries
     assert words in entry.fault
     assert entry.name == "own.py:Mine"
-    assert bool(entry.sha) == (text is not None)
+    assert entry.sha
     said = capsys.readouterr().err
     assert f"error: own.py:Mine: {entry.fault}" in said
     assert "Traceback" not in said
     assert "own.py:Mine" in (tmp_path / "leaderboard.html").read_text()
+
+
+def test_what_cannot_be_judged_is_refused_before_anything_is_written(board, tmp_path, capsys):
+    assert main(["leaderboard", "--agent", "own.py:Mine", "--film", "worst.gif"]) == 2
+    assert "--film: worst.gif; a film's name ends in .webm" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+    assert board(None) == (2, [])
+    assert "own.py: there is no such file" in capsys.readouterr().err
 
 
 def test_references_run_once_and_a_second_class_costs_its_own_run(board, capsys, monkeypatch):

@@ -191,6 +191,8 @@ def test_networks_come_after_those_that_they_start_from():
 def test_a_name_that_is_no_result_s_is_refused():
     with pytest.raises(InputError, match="meng_fig77: no result; there are plans, "):
         reproduce.planned(["meng_fig77"], everything=False)
+    with pytest.raises(InputError, match="leave out one of the two"):
+        reproduce.planned(["meng_fig7"], everything=True)
 
 
 def test_a_plan_that_fails_goes_on_where_it_was(monkeypatch, tmp_path, capsys):

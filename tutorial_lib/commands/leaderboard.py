@@ -70,6 +70,8 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.page.resolve() == options.board.resolve():
         raise InputError(f"--page: {options.page} is the board itself; give another file")
+    if options.film.suffix != ".webm":
+        raise InputError(f"--film: {options.film}; a film's name ends in .webm, rename it")
     for path in (options.board, options.page, options.film):
         check_writable(path)
     board = _add(options, [entry for path in options.merge for entry in read_board(path)])
@@ -108,10 +110,7 @@ def _entered(options: argparse.Namespace, board: list[Entry]) -> tuple[Entry, Tr
     """
     where, quick = options.agent, options.quick
     file, _, name = where.rpartition(":")
-    try:
-        sha = sha256(read_bytes(Path(file), MAX_TEXT)).hexdigest()
-    except InputError:  # the first try says why
-        sha = ""
+    sha = sha256(read_bytes(Path(file), MAX_TEXT)).hexdigest()
     _say(f"{where}: a first try")
     found = apart(FIRST, where, quick, True)
     if "fault" not in found:

@@ -85,8 +85,12 @@ def planned(names: list[str], *, everything: bool) -> list[Step]:
         everything: all networks, results and notebooks instead.
 
     Raises:
-        InputError: for a name that is not a result's.
+        InputError: for a name that is not a result's, and for names where everything is asked for.
     """
+    if names and everything:
+        raise InputError(
+            f"{names[0]} --all: everything is measured again; leave out one of the two"
+        )
     unknown = [name for name in names if name not in COMMANDS]
     if unknown:
         raise InputError(f"{unknown[0]}: no result; there are {', '.join(COMMANDS)}")

@@ -88,6 +88,8 @@ CASES: dict[str, tuple[Any, ...]] = {
     "an empty map": ({}, {}, [{}], _RULES),
     "nearly as probable as needed": ({0: {1: 0.4999}, 1: {}}, {0: 1.0}, [{1: 1.0}], _RULES),
     "seen by the second image alone": (SMALL_MAP, {0: 0.95}, [{}, {2: 0.99}], _RULES),
+    "seen better by the first image": ({0: {}}, {0: 0.95}, [{0: 0.99}, {0: 0.6}], _RULES),
+    "a better path to the second image": (_HALF, {0: 0.95}, [{1: 0.99}, {0: 0.99}], _RULES),
     "surely there, over a doubtful edge": (_HALF, {0: 0.9}, [{1: 0.99}], _RULES),
 } | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(10)}
 MISTAKES = """

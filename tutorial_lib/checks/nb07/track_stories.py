@@ -104,7 +104,7 @@ def _random(seed: int) -> Story:
         interval=int(rng.integers(3, 8)),
         unknown=float(rng.choice([0.2, 0.5])),
         least=float(rng.choice([0.02, 0.1])),
-        sharpness=float(rng.choice([1.0, 2.0])),
+        sharpness=float(rng.choice([0.5, 2.0])),
         hysteresis=float(rng.choice([0.5, 0.9])),
     )
     return Story(np.cumsum(motion, axis=0), likelihoods, *random_model(vertices, seed), rules)

@@ -19,6 +19,7 @@ BELIEFS = {
     "a success after many failures": case(0.02, 0.75, 0.1, True),
     "a success that is as likely without the edge": case(0.3, 0.4, 0.4, True),
     "a robot that seldom succeeds": case(0.6, 0.3, 0.2, False),
+    "a success that is less likely with the edge": case(0.5, 0.3, 0.6, True),
     "an edge that surely exists": case(1.0, 0.9, 0.05, False),
     "an edge that surely does not": case(0.0, 0.9, 0.05, True),
 }
@@ -53,7 +54,8 @@ def _broken_belief(
     if prior in (0.0, 1.0):
         return "what is certain stays so, whatever happens"
     if (got > prior) != (want > prior):
-        return f"after a {'success' if success else 'failure'} the belief moves the other way"
+        event = "success" if success else "failure"
+        return f"after this {event} the belief moves the other way: the two likelihoods decide"
     return "prior x likelihood, over the sum of that for both cases: the edge exists, or not"
 
 
@@ -101,7 +103,8 @@ that is the standard deviation; return the variance
 
 def _two(what: str, got: object, *_: object) -> Array:
     words = "return two numbers, the mean and the variance"
-    return np.array([float(numbers(what, one, ())) for one in parts(what, got, 2, words)])
+    both = list(got) if isinstance(got, np.ndarray) and got.ndim else got
+    return np.array([float(numbers(what, one, ())) for one in parts(what, both, 2, words)])
 
 
 def _broken_length(got: Array, want: Array, *_: float) -> str:

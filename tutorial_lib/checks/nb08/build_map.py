@@ -96,6 +96,19 @@ CASES = {
     "longer one way than the other": case(
         ~np.eye(2, dtype=bool), np.array([[0.0, 1.0], [2.0, 0.0]]), [0, 1], 0.5, 1.5
     ),
+    "close one way, and reachable only the other": case(
+        np.array([[False, True], [False, False]]),
+        np.array([[0.0, 1.0], [0.2, 0.0]]),
+        [0, 1],
+        0.5,
+        1.5,
+    ),
+    "a row that begins at its far end": case(
+        *_line([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), [0, 6, 5, 4, 3, 2, 1], 0.5, 1.5
+    ),
+    "vertices of which two are exactly D_c apart": case(
+        *_line([0.0, 0.75, 1.5]), [0, 1, 2], 0.5, 1.5
+    ),
     "another first image": case(*_line([0.0, 1.0, 2.0, 3.0]), [2, 0, 1, 3], 0.5, 1.5),
     "one image alone": case(np.zeros((1, 1), bool), np.zeros((1, 1)), [0], 0.5, 1.5),
     **{f"at random ({seed})": _random(seed) for seed in range(6)},

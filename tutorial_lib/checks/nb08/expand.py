@@ -60,6 +60,9 @@ CASES = {
         _TWO, [10, 11], {10: [(3, 10), (10, 2)], 11: [(2, 11), (11, 5)]}, 0, 5
     ),
     "nothing is unused": case(_TWO, [], {}, 0, 5),
+    "fewer edges, but more images": case(
+        _TWO, [10, 12], {10: [(0, 10)], 12: [(10, 12), (2, 12), (12, 3)]}, 0, 5
+    ),
     "a shorter path over what was tried before": case(
         _TWO,
         [10, 11, 12],

@@ -20,8 +20,10 @@ CASES = {
     "a quarter of a circle of 1 m": case(np.array([[1.0, 1.0, np.pi / 2]])),
     "the same to the right": case(np.array([[1.0, -1.0, -np.pi / 2]])),
     "backwards, with half a turn": case(np.array([[-1.0, 0.5, np.pi / 2], [-2.0, 0.0, 3.0]])),
+    "small turns": case(np.array([[3.0, 0.0, 0.04], [2.0, 1.0, -0.02]])),
     "nowhere": case(np.zeros((1, 3))),
     "six at random": case(_SOME),
+    "a table of them, (2, 3, 3)": case(_SOME.reshape(2, 3, 3)),
 }
 MISTAKES = """
 the turn stands in the matrix twice, once with either sign: 2 turn^2 under the root
@@ -46,7 +48,7 @@ both x and y count
 
 
 def _broken(got: Array, want: Array, waypoints: Array) -> str:
-    worst = waypoints[np.abs(got - want).argmax()]
+    worst = waypoints.reshape(-1, 3)[np.abs(got - want).argmax()]
     if not worst[2]:
         return "without a turn it is the straight distance"
     if not worst[:2].any():
@@ -61,8 +63,8 @@ check_length = exercise(
     module=__name__,
     about="Waypoints straight ahead, along arcs, behind, and turns in place.",
     example=case(_SOME),
-    invoke=calling({TypeError: "waypoints are an array (N, 3); [..., 2] is the turn"}),
-    form=lambda what, got, waypoints: numbers(what, got, (len(waypoints),)),
+    invoke=calling({TypeError: "waypoints are an array (..., 3); [..., 2] is the turn"}),
+    form=lambda what, got, waypoints: numbers(what, got, waypoints.shape[:-1]),
     same=partial(close, tolerance=1e-6),
     difference=farthest,
     broken=_broken,

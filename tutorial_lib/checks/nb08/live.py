@@ -17,6 +17,8 @@ PRUNE = 0.2
 """R_p of the exercise."""
 FIRST = 0.9
 """Probability of all its edges at first."""
+SUREST = 0.97
+"""A belief is never surer than that."""
 MOST = 60
 """Edges that a robot of the check drives in all, at most; then its battery is empty."""
 
@@ -92,7 +94,7 @@ def run(
         return success
 
     def update(prior: float, success: bool) -> float:
-        return bayes(prior, 0.9, 0.05, success)
+        return min(max(bayes(prior, 0.9, 0.05, success), 1 - SUREST), SUREST)
 
     try:
         answer = function(graph, list(queries), drive, update, prune)
@@ -120,6 +122,26 @@ CASES = {
         {(0, 1): 1.0, (1, 2): 1.0, (0, 3): 0.9, (3, 2): 1.2}, [(0, 2)] * 3, {(1, 2): {2}}
     ),
     "an edge of exactly R_p": case(_BOTH, [(0, 3), (0, 2)], {(2, 3): {0}}, _ONCE),
+    "a high R_p, and successes": case(_BOTH, [(0, 3), (0, 2)], {}, 0.995),
+    "back along an edge whose other direction failed": case(
+        {
+            (0, 1): 1.0,
+            (1, 0): 1.0,
+            (1, 4): 1.0,
+            (0, 2): 1.0,
+            (2, 1): 1.0,
+            (0, 3): 5.0,
+            (3, 4): 5.0,
+        },
+        [(0, 4)],
+        {(0, 1): {0}, (1, 4): {0}},
+    ),
+    "a place whose last edge is pruned": case(
+        {(0, 1): 1.0, (1, 0): 1.0, (1, 9): 1.0}, [(0, 9)] * 4, {(1, 9): {0}}
+    ),
+    "an edge that is short and doubtful": case(
+        {(0, 1): 1.0, (0, 2): 0.7, (2, 1): 0.7}, [(0, 1)] * 2, {(0, 1): {1}}
+    ),
     "few edges, but long ones": case(
         {(0, 3): 9.0, (0, 1): 1.0, (1, 2): 1.0, (2, 3): 1.0}, [(0, 3)], {}
     ),
