@@ -45,7 +45,7 @@ def _both(about: str, words: str, *cases: tuple[Array, ...]) -> Topic:
 def _onto_axes(count: int) -> list[tuple[Array, ...]]:
     """Rays at all angles onto walls along an axis, which they hit."""
     rng = np.random.default_rng(5)
-    cases = []
+    cases: list[tuple[Array, ...]] = []
     for number in range(count):
         along = number % 2
         start = rng.uniform(-4, 4, 2)

@@ -131,7 +131,7 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa:
     except Exception as error:
         hints: dict[type[Exception], str] = {
             KeyError: "a dictionary has no such key; a Counter returns 0 for what it has not seen",
-            ValueError: "max() of nothing needs default=0: there may be no visit yet; bias may be 0",
+            ValueError: "max() of nothing needs default=0: there may be no visit; bias may be 0",
         }
         raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
     if given != case:
