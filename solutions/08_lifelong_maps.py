@@ -883,7 +883,7 @@ axes.legend(loc="lower right", fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
-# Learning doesn't help for a hundred queries; then it does, by about four trips in a hundred, and the gain hardly grows. And it isn't free: unused images come in, and the map grows.
+# Here learning doesn't help for a hundred queries; then it does, by about four trips in a hundred, and the gain hardly grows. (Don't read much into that first hundred: with the starts of the same trips drawn anew, it helps from the first fifty on.) And it isn't free: unused images come in, and the map grows.
 #
 # ## 9 · Fewer vertices
 #
