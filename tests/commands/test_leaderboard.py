@@ -102,8 +102,7 @@ def board(tmp_path, monkeypatch):
         monkeypatch.setattr(command.guard, name, getattr(command.guard, name))
 
     def run(text, *options):
-        if text is not None:
-            (tmp_path / "own.py").write_text(text)
+        (tmp_path / "own.py").write_text(text)
         code = main(["leaderboard", "--agent", "own.py:Mine", "--quick", *options])
         return code, read_board(tmp_path / "leaderboard.json")
 
@@ -127,12 +126,17 @@ def test_a_faulty_class_gets_an_entry_and_a_line(board, fault, tmp_path, monkeyp
     assert "own.py:Mine" in (tmp_path / "leaderboard.html").read_text()
 
 
-def test_what_cannot_be_judged_is_refused_before_anything_is_written(board, tmp_path, capsys):
+def test_what_cannot_be_judged_is_refused_before_anything_is_written(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    for where in ("own.py:Mine", "own.py", "Mine", ":"):
+        assert main(["leaderboard", "--agent", where]) == 2
+        words = f"--agent {where}: there is no such file; give FILE.py:CLASS"
+        assert words in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "own.py").write_text(GOOD)
     assert main(["leaderboard", "--agent", "own.py:Mine", "--film", "worst.gif"]) == 2
     assert "--film: worst.gif; a film's name ends in .webm" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
-    assert board(None) == (2, [])
-    assert "own.py: there is no such file" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["own.py"]
 
 
 def test_references_run_once_and_a_second_class_costs_its_own_run(board, capsys, monkeypatch):

@@ -642,13 +642,4 @@ def compose__stays_without_a_step(first, second):
     """a track is made of many small motions: leave none of them out"""
     if not second[:2].any():
         return first.copy()
-    return np.array([*(first[:2] + _turned(second[:2], first[2])), _wrapped(first[2] + second[2])])
-
-
-def _turned(step, angle):
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([cos * step[0] - sin * step[1], sin * step[0] + cos * step[1]])
-
-
-def _wrapped(angle):
-    return (angle + np.pi) % (2 * np.pi) - np.pi
+    return compose__right_by_matrices(first, second)

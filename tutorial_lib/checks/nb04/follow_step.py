@@ -223,10 +223,12 @@ def _wrong_state(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Mem
     told = [f"{m.state.name}, active {m.active}, visited {m.visited}" for m in (mine, right)]
     words = f"{told[0]} came back, {told[1]} is right"
     gave_up = right.state == State.LOST and memory.state == State.FOLLOW
-    if gave_up and mine.state != State.LOST:
-        return f"{words}: no nearer for more than rules.effort = {rules.effort:g} s, so it gives up"
     if gave_up:
-        return f"{words}: a robot that gives up stops being in Follow; its anchors stay as they are"
+        late = f"no nearer for more than rules.effort = {rules.effort:g} s, so it gives up"
+        kept = (
+            "a robot that gives up is LOST, and its active and its visited anchor stay as they are"
+        )
+        return f"{words}: {kept if mine.state == State.LOST else late}"
     if mine.state == State.LOST and memory.state == State.FOLLOW and not gave_up:
         effort = f"rules.effort = {rules.effort:g} s"
         told = f"it came nearer, or changed its anchor, {right.waited:.1f} s ago; {effort}"
