@@ -105,6 +105,8 @@ while there is a path, follow it; yours plans again and again
     not path and searched -> searched
 a robot that was lost needs a new plan; yours follows the old one
     path, searched = [], 0 -> pass
+path.clear() also empties the path in plans, which is the same list; path = [] makes a new one
+    path, searched = [], 0 -> path.clear(); searched = 0
 each search begins anew: the steps of turning are counted from 0
     path, searched = [], 0 -> path = []
 it may be lost limits.replans times and plan again; yours allows one less
@@ -138,6 +140,13 @@ as soon as there is a path, follow it in the same step
     path, searched, lost = [], 0, 0 -> path, searched, lost, follows = [], 0, 0, False
     robot.follow(path) -> robot.follow(path) if follows else robot.turn(); follows = True
     path, searched = [], 0 -> path, searched, follows = [], 0, False
+a path with a reason ends the navigation only if the robot was never lost, neither once nor more
+often
+    reason and not lost -> reason and lost != 1
+every loss excludes what could not be reached, and it all stays excluded; yours keeps two
+    excluded |= -> excluded |= set() if lost > 2 else
+it may be lost limits.replans times, however many that are; yours stops at three
+    lost > limits.replans -> lost > min(limits.replans, 3)
 GOAL is no vertex of the map: it is never excluded
     vertex = path[robot.active] -> vertex = path[robot.active]; excluded |= {vertex} & {GOAL}
 exclude the vertex that could not be reached, path[robot.active], not the one after it
@@ -245,21 +254,30 @@ def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noq
     common = next(
         (i for i, pair in enumerate(zip(mine, right, strict=False)) if len({*pair}) > 1), None
     )
+    if common is not None and mine[common][0] == right[common][0]:
+        return (
+            "follow what decide returned in this search, on the map without all that was excluded "
+            "until then, after whichever loss"
+        )
     if common is not None:
         return (
             "one step is one turn or one follow; a search looks, then turns until a path is found"
         )
     if len(mine) != len(right):
-        return {
-            "arrived": "it goes on until the robot has arrived",
-            "refused": "a path with a reason ends it, before it was ever lost",
-            "gave up": "give up when lost once more than limits.replans, or after limits.search "
-            "steps of turning in one search",
-            "late": "each turn and each follow is a step; there are limits.steps of them",
-        }[want[0]]
+        return _ENDS[got[0] if len(mine) < len(right) else want[0]]
     if got[2] != want[2]:
         return "the vertex at robot.active is excluded, and those joined with it both ways"
     return "return the ending, everything that decide returned, and what is excluded"
+
+
+_ENDS = {
+    "arrived": "it goes on until the robot has arrived",
+    "refused": "a path with a reason ends it, before it was ever lost",
+    "gave up": "give up when lost once more than limits.replans, or after limits.search steps of "
+    "turning in one search",
+    "late": "each turn and each follow is a step; there are limits.steps of them",
+}
+"""For each ending, when it is right."""
 
 
 def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
@@ -284,7 +302,12 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
         return f"the ending is {want[0]!r}, not {got[0]!r}"
     if got[2] != want[2]:
         return f"excluded is {sorted(got[2])}, but {sorted(want[2])} is right"
-    return f"plans has length {len(got[1])}; keep all {len(want[1])} that decide returned"
+    if len(got[1]) != len(want[1]):
+        return f"plans has length {len(got[1])}; keep all {len(want[1])} that decide returned"
+    number = next(
+        i for i, pair in enumerate(zip(got[1], want[1], strict=True)) if pair[0] != pair[1]
+    )
+    return f"plan {number} of the list is {got[1][number]}, but decide returned {want[1][number]}"
 
 
 _DUE = {

@@ -128,6 +128,30 @@ def _told(looks: list[Ends], drives: list[Drive], **limits: int) -> Story:
     return Story(_MAP, looks, drives, _RULES, Limits(**(own | limits)))
 
 
+_LANES: Graph = {}
+for _v in range(0, 130, 10):
+    _LANES |= {_v: {_v + 1: 0.99}, _v + 1: {_v + 2: 0.99}, _v + 2: {}}
+    if _v % 20:
+        _LANES[_v + 1][_v] = 0.9
+"""Lanes, each of which leads to the goal; in every second one there is a way back."""
+
+
+def _lost_in_lanes(looks: str, places: list[int], replans: int = 8) -> Story:
+    """A robot that is lost in one lane after another, and then arrives.
+
+    Args:
+        looks: a letter for each: lanes are "s"een, too "f"ar away, or "n"ot seen.
+        places: where along its paths it is lost.
+        replans: how often it may be lost.
+    """
+    nearest = {"s": 0.98, "f": 0.7, "n": 0.3}
+    near = {letter: {v: p - 0.002 * v for v in range(0, 130, 10)} for letter, p in nearest.items()}
+    goals = [{v + 2: 0.99 for v in range(0, 130, 10)}]
+    drives = [*((2, "lost", place) for place in places), _GOES]
+    limits = Limits(replans, interval=3, search=10, steps=400)
+    return Story(_LANES, [(near[letter], goals) for letter in looks], drives, _RULES, limits)
+
+
 def _random_story(seed: int) -> Story:
     """A map, looks and drives at random."""
     rng = np.random.default_rng(seed)
@@ -205,5 +229,11 @@ STORIES: dict[str, Story] = {
     "lost at vertex 0": _told([_SEEN, _BY_5], [(2, "lost", 1), _GOES]),
     "an empty map, the goal in sight": Story(
         {}, [({}, [{HERE: 0.99}])], [(2, "lost", 1), _GOES], _RULES, _LIMITS
+    ),
+    "lost three times, each time with an improbable path": _lost_in_lanes("sfff", [2, 3, 1]),
+    "lost four times, then nothing in sight": _lost_in_lanes("ssnsnsn", [2, 3, 1, 2]),
+    "lost six times, five of them allowed": _lost_in_lanes("s", [2, 2, 99, 2, 2, 3], replans=5),
+    "lost twelve times, then it arrives": _lost_in_lanes(
+        "ssnfnnnsfsnsfns", [2, 3, 2, 2, 1, 99, 2, 2, 3, 2, 2, 2], replans=12
     ),
 } | {f"at random ({seed})": _random_story(seed) for seed in range(10)}
