@@ -67,6 +67,7 @@ def _traced(before: dict[Vertex, Vertex], start: Vertex, goal: Vertex) -> list[V
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
 _LATE: Graph = {0: {1: 0.5, 2: 0.95}, 1: {4: 0.99}, 2: {3: 0.95, 4: 0.6}, 3: {1: 0.95}, 4: {}}
+_LITTLE: Graph = {0: {1: 0.9, 2: 0.9}, 1: {3: 0.9}, 2: {3: 0.900003}, 3: {}}
 CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
     "the graph above": (BY_HAND, "here", "goal"),
     "a chain": (_LINE, 0, 3),
@@ -86,6 +87,12 @@ CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
         {12: {}} | {v: {v + 1: 0.95} for v in range(11, -1, -1)},
         0,
         12,
+    ),
+    "two paths that differ by little": (_LITTLE, 0, 3),
+    "two paths that differ by little, the better one first": (
+        {0: {1: 0.9, 2: 0.9}, 1: {3: 0.900003}, 2: {3: 0.9}, 3: {}},
+        0,
+        3,
     ),
     "a long chain": ({v: {v + 1: 0.99} for v in range(60)} | {60: {}}, 0, 60),
 } | {
@@ -147,6 +154,8 @@ below 0: each further step makes a path cheaper. Compare whole paths, by -log RE
     - math.log(p) -> + 1.0 / p
 that is the path whose weakest edge is strongest; all edges must hold, so costs add up
     length - math.log(p) -> max(length, -math.log(p))
+paths that differ by little look alike in yours: round no length, and compare them as they are
+    length - math.log(p) -> length - round(math.log(p), 3)
 the cost of a vertex is that of the whole path to it, not only of the last step
     length - math.log(p) -> -math.log(p)
 yours stops when it first sees the goal; go on until the goal is taken from the heap
@@ -314,6 +323,9 @@ def _apart(got: Found, want: Found, graph: Graph, *_: Vertex) -> str:
             f"along {_spoken(path)} the product of RE is {product:.{digits}g}; "
             f"yours returns {probability:.{digits}g}{why}"
         )
+    if f"{probability:.4g}" == f"{want[1]:.4g}":
+        shown = f"{_spoken(want[0])} has probability {want[1]:.9g}"
+        return f"yours takes {_spoken(path)} with {probability:.9g}; {shown}"
     return f"yours takes {_spoken(path)} with {probability:.4g}; {shown}"
 
 

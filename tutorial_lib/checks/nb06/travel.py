@@ -71,6 +71,7 @@ class _Story:
 
 
 _A, _B, _C = [HERE, 1, 2, 3, GOAL], [HERE, 1, 4, 3, GOAL], [HERE, 5, 6, GOAL]
+_MANY = [[HERE, v, v + 1, GOAL] for v in range(10, 40, 2)]
 CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "it arrives at once": ([_A, _B], [None], 5),
     "lost once, then it arrives": ([_A, _B, _C], [2, None], 5),
@@ -91,6 +92,10 @@ CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "lost at vertex 0": ([[HERE, 0, 2, GOAL], _A, _C], [1, 2, None], 5),
     "lost at vertex 0, under way": ([[HERE, 1, 0, GOAL], _C], [2, None], 5),
     "the goal again and again, then it arrives": ([_A, _B], [4, 4, 4, None], 3),
+    "lost at the seventh vertex": ([[HERE, *range(1, 10), GOAL], _C], [7, 1, None], 5),
+    "four replans, all in vain": (_MANY, [1] * 5, 4),
+    "six replans, and it arrives with the last": (_MANY, [1] * 6 + [None], 6),
+    "lost twelve times, then it arrives": (_MANY, [1] * 12 + [None], 15),
 }
 MISTAKES = """
 exclude the vertex that could not be reached, path[stopped], not the one before it
@@ -152,6 +157,10 @@ after the first plan there may be `replans` more; yours makes one too few
     replans + 1 -> replans
 after the first plan there may be `replans` more; yours makes one too many
     replans + 1 -> replans + 2
+there may be as many plans after the first as `replans` says, be it many; yours makes three
+    replans + 1 -> min(replans, 3) + 1
+whatever could not be reached is excluded, however much it is; yours stops at four
+    {vertex} - {HERE, GOAL} -> {vertex} - {HERE, GOAL} if len(excluded) < 4 else set()
 yours plans only once
     replans + 1 -> 1
 where `replans` is 0 there is the first plan and no other
