@@ -145,6 +145,22 @@ def match__push(node, seen, guess):
     return match__right_with_three_grids(node, seen, guess) - guess
 
 
+def match__heading_in_degrees(node, seen, guess):
+    """np.deg2rad makes radians of them"""
+    x, y, heading = match__right_with_three_grids(node, seen, guess)
+    return np.array([x, y, np.rad2deg(heading)])
+
+
+def match__quarters_of_a_metre(node, seen, guess):
+    """and smaller steps"""
+    return _best(node, seen, guess + _grid((2, 2, 8), (0.25, 0.25, 2 * DEGREES)))
+
+
+def match__fine_places_coarse_headings(node, seen, guess):
+    """the place is right, the heading isn't"""
+    return _best(node, seen, guess + _grid((10, 10, 2), (0.05, 0.05, 10 * DEGREES)))
+
+
 def match__inverse(node, seen, guess):
     """the robot in the node's frame, not the node in the robot's"""
     return inverse(match__right_with_three_grids(node, seen, guess))
@@ -443,6 +459,13 @@ def correct__no_inverse(node, pose, odometry):
 def correct__inverse_of_the_pose(node, pose, odometry):
     """the node in the robot's frame"""
     return compose(compose(node, inverse(pose)), inverse(odometry))
+
+
+def correct__leaves_little_as_it_is(node, pose, odometry):
+    """off by little"""
+    found = correct__right_with_compose(node, pose, odometry)
+    little = np.hypot(found[0], found[1]) < 0.1 and abs(wrap(found[2])) < 3 * DEGREES
+    return np.zeros(3) if little else found
 
 
 def correct__degrees(node, pose, odometry):

@@ -16,6 +16,13 @@ def correct(node: Array, pose: Array, odometry: Array) -> Array:
     return compose(here, inverse(odometry))
 
 
+def _off_by(metres: float, degrees: float) -> tuple[Array, Array, Array]:
+    """A robot beside a node whose odometry is off by little."""
+    node, pose = np.array([2.0, 1.0, 0.7]), np.array([0.6, -0.3, 0.2])
+    drift = np.array([0.8 * metres, -0.6 * metres, np.deg2rad(degrees)])
+    return node, pose, compose(compose(node, pose), drift)
+
+
 def _random(seed: int) -> tuple[Array, Array, Array]:
     rng = np.random.default_rng([seed, 31])
     node, pose = rng.uniform(-4, 4, 3), rng.uniform(-2, 2, 3)
@@ -49,6 +56,9 @@ CASES = {
         np.array([0.5, 0.5, 1.0]),
         compose(np.array([1.0, -2.0, 0.4]), np.array([0.5, 0.5, 1.0])),
     ),
+    "odometry that is 4 cm and 2 degrees off": _off_by(0.04, 2.0),
+    "odometry that is 1 cm off": _off_by(0.01, 0.0),
+    "a heading that is 1 degree off": _off_by(0.0, 1.0),
     **{f"at random ({seed})": _random(seed) for seed in range(6)},
 }
 MISTAKES = """
@@ -74,6 +84,11 @@ undo the odometry first: its inverse
     inverse(odometry) -> odometry
 pose is the robot in the node's frame; yours takes it for the node in the robot's frame
     compose(node, pose) -> compose(node, inverse(pose))
+where odometry is off by little, it is off: correct that as well
+    here = compose(node, pose)
+        -> here = compose(node, pose); off = np.abs(compose(inverse(here), odometry)).max()
+    return compose(here, inverse(odometry))
+        -> return compose(here, inverse(odometry)) * (off > 0.0524)
 the heading is in radians
     return compose(here, inverse(odometry))
         -> return compose(here, inverse(odometry)) * np.array([1, 1, 180 / np.pi])
@@ -94,6 +109,12 @@ def _difference(got: Array, want: Array, node: Array, pose: Array, odometry: Arr
     )
 
 
+def _broken(got: Array, want: Array, *_: Array) -> str:
+    if not got.any() and np.abs(want).max() < 0.2:
+        return "where odometry is off by little, it is off: correct that as well"
+    return "compose(correction, odometry) must be where the robot is on the map"
+
+
 check_correct = exercise(
     correct,
     CASES,
@@ -106,5 +127,5 @@ check_correct = exercise(
     form=lambda what, got, *_: numbers(what, got, (3,)),
     same=_same,
     difference=_difference,
-    broken=lambda *_: "compose(correction, odometry) must be where the robot is on the map",
+    broken=_broken,
 )

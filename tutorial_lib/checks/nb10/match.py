@@ -103,6 +103,8 @@ return the pose of the robot in the node's frame, not the node in the robot's
     return pose -> return relative(pose, np.zeros(3))
 return where the robot is in the node's frame, not in that of the guess
     return pose -> return relative(guess, pose)
+the heading comes back in degrees: np.deg2rad makes radians of them
+    return pose -> return pose * np.array([1, 1, 180 / np.pi])
 headings are in radians; yours tries degrees
     _GRID * _STEP -> _GRID * _STEP * np.array([1, 1, 180 / np.pi])
 steps that begin so small get stuck: what you try first reaches 0.5 m and 15 degrees
@@ -142,6 +144,8 @@ def _difference(got: Array, want: Array, node: NDArray, seen: NDArray, guess: Ar
 
 def _broken(got: Array, want: Array, node: NDArray, seen: NDArray, guess: Array) -> str:
     metres, turn = _gap(got, guess)
+    if turn > np.deg2rad(40) and _same(got * np.array([1.0, 1.0, np.pi / 180]), want):
+        return "the heading comes back in degrees: np.deg2rad makes radians of them"
     if metres > 1.0 or turn > np.deg2rad(40):
         return "stay near the guess, which is at most 0.5 m and 15 degrees off"
     fits = fit(node, seen, np.array([got, want]))
