@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -63,7 +64,7 @@ def run(
     queries: list[Edge],
     fails: dict[Edge, set[int]],
     prune: float = PRUNE,
-) -> tuple[Any, list[tuple[Edge, bool]], dict[Edge, float]]:
+) -> tuple[Any, list[tuple[Edge, bool]], dict[Edge, float], dict[Edge, float]]:
     """Let a function live in a small building.
 
     Args:
@@ -74,7 +75,8 @@ def run(
         prune: R_p.
 
     Returns:
-        What it returned, what was driven, and the probability of each edge that is left.
+        What it returned, what was driven, and of each edge that is left the probability, and the
+        metres where they are no longer what they were.
     """
     graph = nx.DiGraph()
     for edge, metres in lengths.items():
@@ -101,7 +103,10 @@ def run(
     except _EmptyError:
         answer = "empty"
     left = {(int(a), int(b)): float(p) for a, b, p in graph.edges(data="probability")}
-    return answer, driven, left
+    metres = {(int(a), int(b)): m for a, b, m in graph.edges(data="length", default=math.nan)}
+    kept = lengths.keys() & metres.keys()
+    changed = {e: metres[e] for e in sorted(kept) if not abs(metres[e] - lengths[e]) < 1e-9}
+    return answer, driven, left, changed
 
 
 _ONCE = bayes(FIRST, 0.9, 0.05, False)  # what is left of an edge after one failure
@@ -165,13 +170,15 @@ the path is the shortest in metres, not in edges
     weight="length" -> weight=None
 plan anew from where the robot is; yours gives up at the first failure
     failed = failed | {(here, ahead)} -> break
+lengths stay as they are; yours changes those of edges
+    success = drive(here, ahead) -> success = drive(here, ahead); edge["length"] *= 1.01
 a query without a path has not arrived, and the next one begins
     arrived.append(here == goal) -> arrived.append(True)
 """
 
 
-def _formed(what: str, got: tuple, *_: object) -> tuple[list[bool], list, dict]:
-    answer, driven, left = got
+def _formed(what: str, got: tuple, *_: object) -> tuple[list[bool], list, dict, dict]:
+    answer, driven, left, changed = got
     if isinstance(answer, str):
         raise WrongAnswer(
             f"{what}: your robot has driven {MOST} edges and its battery is empty; does it try the "
@@ -179,7 +186,7 @@ def _formed(what: str, got: tuple, *_: object) -> tuple[list[bool], list, dict]:
         )
     answer = returned(what, answer)
     try:
-        return [bool(one) for one in answer], driven, left
+        return [bool(one) for one in answer], driven, left, changed
     except TypeError as error:
         raise WrongAnswer(f"{what}: return a list, True or False for each query") from error
 
@@ -188,7 +195,7 @@ def _same(got: tuple, want: tuple, *_: object) -> bool:
     near = got[2].keys() == want[2].keys() and all(
         abs(got[2][edge] - want[2][edge]) < 1e-6 for edge in want[2]
     )
-    return got[0] == want[0] and got[1] == want[1] and near
+    return got[0] == want[0] and got[1] == want[1] and near and not got[3]
 
 
 def _difference(got: tuple, want: tuple, *_: object) -> str:
@@ -206,11 +213,16 @@ def _difference(got: tuple, want: tuple, *_: object) -> str:
         )
     if got[0] != want[0]:
         return f"{got[0]} came back, but {want[0]} is right"
+    if got[3]:
+        edge, metres = next(iter(got[3].items()))
+        return f"the length of {edge} has become {metres:.6g}"
     edge = max(want[2], key=lambda one: abs(got[2][one] - want[2][one]))
     return f"the probability of {edge} is {got[2][edge]:.3g}, but {want[2][edge]:.3g} is right"
 
 
 def _broken(got: tuple, want: tuple, *_: object) -> str:
+    if got[3]:
+        return "lengths stay as they are; yours changes those of edges"
     if len(got[0]) != len(want[0]):
         return "one answer for each query"
     for (mine, _), (right, _) in zip(got[1], want[1], strict=False):
