@@ -105,7 +105,7 @@ def run(
     left = {(int(a), int(b)): float(p) for a, b, p in graph.edges(data="probability")}
     metres = {(int(a), int(b)): m for a, b, m in graph.edges(data="length", default=math.nan)}
     kept = lengths.keys() & metres.keys()
-    changed = {e: metres[e] for e in sorted(kept) if not abs(metres[e] - lengths[e]) < 1e-9}
+    changed = {e: metres[e] for e in sorted(kept) if not abs(metres[e] - lengths[e]) < 1e-6}
     return answer, driven, left, changed
 
 
