@@ -40,6 +40,12 @@ def _logits(
     return logits, probability if soft else (rng.random(count) < probability).astype(float)
 
 
+def _seldom() -> Case:
+    """Logits that mostly are below 0: without labels, not the highest temperature is best."""
+    logits, labels = _logits(1.6, soft=True, seed=5)
+    return -logits, 1.0 - labels
+
+
 _ALWAYS = np.tile([-0.4, 0.3, 0.5, -0.2, 0.1], 8)
 CASES = {
     "an overconfident network": _logits(2.0, blunders=0.12),
@@ -51,6 +57,7 @@ CASES = {
         np.concatenate([np.tile([1.0, -1.0], 100), np.full(40, 12.0)]),
         np.concatenate([np.tile([1.0, 0.0], 80), np.tile([0.0, 1.0], 20), np.arange(40) != 7]),
     ),
+    "a network that seldom predicts a success": _seldom(),
     "few pairs": _logits(1.3, count=40, seed=8),
     "labels of which some are soft": (
         np.array([2.0, 1.0, -1.0, 3.0, -2.0, 2.0, 1.0]),
@@ -103,6 +110,10 @@ the cross-entropy is to be smallest, not the absolute error
     np.logaddexp(0.0, z) - labels * z -> np.abs(sigmoid(z) - labels)
 the labels do not count yet
     - labels * z -> - 0
+yours gives 20 each time, the end of the range: the least loss decides, of logits / t and labels
+    float(best) -> 20.0
+a label of 1 means reached, as a logit above 0 does; yours has the labels the other way round
+    - labels * z -> - (1 - labels) * z
 labels may lie between 0 and 1: do not round them
     - labels -> - (labels > 0.5)
 the labels are no weights: pairs that are not reached count too

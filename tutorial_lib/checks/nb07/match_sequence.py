@@ -92,6 +92,25 @@ where there is no vertex before, coming has the likelihood 0, not 1
     total[before], 0.0 -> total[before], 1.0
 also where there is a vertex before, the robot may have stayed: take the better one
     np.maximum(total, come) -> np.where(before >= 0, come, total)
+take the root once, of the whole product; yours takes the T-th root at every view
+    look * best -> (look * best) ** (1.0 / len(likelihoods))
+    total ** (1.0 / len(likelihoods)) -> total
+take the root once, of the whole product; yours takes the T-th root at every view, from the first on
+    dtype=float) -> dtype=float) ** (1.0 / len(likelihoods))
+    look * best -> (look * best) ** (1.0 / len(likelihoods))
+    total ** (1.0 / len(likelihoods)) -> total
+take the root once, of the whole product; yours takes it at every view, and again in the end
+    look * best -> (look * best) ** (1.0 / len(likelihoods))
+take the root once, of the whole product; yours takes a square root at every view
+    look * best -> (look * best) ** 0.5
+    total ** (1.0 / len(likelihoods)) -> total
+take the root once, of the whole product; yours takes one at every view, of the views so far
+    for look in likelihoods[1:] -> for count, look in enumerate(likelihoods[1:], 2)
+    look * best -> (look * best) ** (1.0 / count)
+    total ** (1.0 / len(likelihoods)) -> total
+every likelihood gets the T-th root, that of the first view as well
+    look * best -> look ** (1.0 / len(likelihoods)) * best
+    total ** (1.0 / len(likelihoods)) -> total
 T views make a product of T likelihoods: the T-th root, not that of T - 1
     len(likelihoods) -> max(len(likelihoods) - 1, 1)
 the T-th root of T likelihoods, ** (1 / T), not always the square root

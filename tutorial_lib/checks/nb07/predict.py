@@ -50,6 +50,11 @@ CASES = {
         np.array([0.03, 0.004, 0.012]),
         *random_model(4, 8),
     ),
+    "motions of a millimetre and less": (
+        random_beliefs(3, 4, 9),
+        np.array([0.001, 0.0003, 0.0001]),
+        *random_model(4, 9),
+    ),
 }
 MISTAKES = """
 off the map is a state like the others: it has a length and a row of onward, and a share of it
@@ -109,8 +114,11 @@ what leaves must arrive somewhere: (belief * leave) @ onward is missing
 """
 
 
-def _broken(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: Array, want: Array, belief: Array, motion: Array, *_: Array) -> str:
     """Which part of the rule is broken."""
+    still = (motion > 0) & np.isclose(got, belief, rtol=0, atol=1e-12).all(axis=1)
+    if still.any() and motion[still].max() < _SMALL:
+        return "small motions count as well: many of them make a large one"
     if of_rounding(got, want):
         return ""
     if not np.allclose(got.sum(axis=1), 1.0, atol=1e-4):
@@ -138,6 +146,7 @@ def _why(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
     return f"robot {row}, {name}: {mine}, but {right} is right{of_rounding(got, want)}"
 
 
+_SMALL = 0.3  # metres
 _SHAPES = "motion[:, None] / lengths has the shape (N, V + 1) of belief"
 check_predict = exercise(
     predict,

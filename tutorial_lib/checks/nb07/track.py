@@ -235,6 +235,8 @@ after any look the steps of waiting are counted from 0, also after one because o
     waited = 0 -> waited = waited if far else 0
 predict once the robot has moved a stride since the last prediction, not at each step
     motion >= rules.stride -> motion > 0
+at first, measure the motion from where the robot is at step 0, odometry[0], not from (0, 0, 0)
+    vertex = odometry[0] -> vertex = np.zeros(3)
 measure the motion from the pose of the last prediction, not from the step before
     waited += step > 0 -> last, waited = pose, waited + (step > 0)
 measure the motion from the pose of the last prediction; yours measures it from the start
