@@ -3,6 +3,7 @@
 import heapq
 import math
 from collections import Counter, defaultdict
+from dataclasses import replace
 from itertools import pairwise
 
 from tutorial_lib.checks.nb06 import check_navigate
@@ -466,6 +467,12 @@ def navigate__has_an_interval_of_its_own(robot, graph, rules, limits):
     return _navigated(robot, graph, rules, limits, interval=10)
 
 
+def navigate__knows_how_often_robots_are_lost(robot, graph, rules, limits):
+    """give up when lost once more than limits.replans"""
+    few = replace(limits, replans=min(limits.replans, 8))
+    return _navigated(robot, graph, rules, few)
+
+
 def navigate__cuts_the_map(robot, graph, rules, limits):
     """your function changes the map"""
 
@@ -854,6 +861,11 @@ def join_ends__takes_the_mean_of_two(graph, from_here, to_goals, p_here, p_goal)
         if GOAL in out and len(seen) > 1:
             out[GOAL] = (seen[-1] + seen[-2]) / 2
     return joined
+
+
+def travel__plans_ten_times_at_most(plan, drive, replans):
+    """at most replans + 1 plans"""
+    return _travelled(plan, drive, min(replans, 9))
 
 
 def travel__returns_only_its_last(plan, drive, replans):

@@ -505,6 +505,11 @@ def predict__rounds_the_motion(belief, motion, lengths, onward):
     return moved_on(belief, motion.round(1), lengths, onward)
 
 
+def predict__rests_below_two_millimetres(belief, motion, lengths, onward):
+    """small motions count as well"""
+    return moved_on(belief, np.where(motion < 0.002, 0.0, motion), lengths, onward)
+
+
 def update__softens(prior, likelihood):
     """no other function of them"""
     weights = np.exp(prior * likelihood)
