@@ -417,6 +417,13 @@ def test_worlds_that_are_no_range_are_refused(capsys, text):
     assert "give A:B" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("last", [100_001, 10**20])
+def test_too_many_worlds_are_refused(capsys, last):
+    with pytest.raises(SystemExit):
+        main(["experiment", "plans", f"--worlds=0:{last}"])
+    assert "give at most 100,000 worlds" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -13,6 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.observation import Experience, Goals, Observation
 from tutorial_lib.validation import floats, instance, integers, whole
 
@@ -32,7 +33,8 @@ class Plan:
     Attributes:
         vertices: of the map, in order; none where the goal itself can be reached from here.
         goal: index of the goal image that it leads to.
-        probabilities: RE of every step, the first from here and the last to the goal.
+        probabilities: RE of every step, the first from here and the last to the goal; none where
+            a planner has no RE.
         refusal: why the robot should not start; empty if it should.
     """
 
@@ -46,6 +48,12 @@ class Plan:
         whole("goal", self.goal, least=0)
         floats("probabilities", self.probabilities, ("P",), least=0, most=1 + _ROUNDING)
         instance("refusal", self.refusal, str)
+        steps = len(self.vertices) + 1
+        if len(self.probabilities) not in (0, steps):
+            raise InputError(
+                f"probabilities: {len(self.probabilities)} for {len(self.vertices)} vertices; give "
+                f"{steps}, of every step from here to the goal, or none"
+            )
 
     @property
     def probability(self) -> float:
@@ -145,10 +153,13 @@ class RelativeModel(Protocol):
 
 @runtime_checkable
 class Localizer(Protocol):
-    """Where on the map an observation may be."""
+    """To which vertices of the map a robot may drive from where it is."""
 
     def localize(self, observations: Observation, topomap: Any) -> Array:  # noqa: ANN401
-        """Probabilities (N, V) over the vertices; what is missing to one means *lost*."""
+        """Probabilities (N, V) in [0, 1] that each vertex of `topomap.alive` is reached from here.
+
+        A planner takes them as RE of the first step of a path, so that they need not sum to one.
+        """
 
 
 @runtime_checkable

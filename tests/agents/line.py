@@ -8,7 +8,7 @@ import numpy as np
 from tests.made_up_maps import sensed
 from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.navigator import RULES, MapNavigation
-from tutorial_lib.interfaces import Goals
+from tutorial_lib.interfaces import Goals, Plan
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
@@ -96,6 +96,11 @@ def line_map(places, reachability):
     topomap.make_vertices(seen, contexts, number * 1.0, 0 * number, number)
     topomap.paths = [number.tolist()]
     return topomap
+
+
+def sure(vertices, goal):
+    """A plan whose steps all but surely succeed."""
+    return Plan(vertices, goal, (0.99,) * (len(vertices) + 1))
 
 
 class Plans:

@@ -17,6 +17,7 @@ from tests.agents.line import (
     line_map,
     navigation_along,
     navigation_over,
+    sure,
 )
 from tests.made_up_maps import edges_of, numbered, places_in, sensed, table_map
 from tutorial_lib.agents.meng import MengAgent
@@ -34,14 +35,11 @@ from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.simulation import STEP, Simulation
 
-SURE = (0.99,)
-
-
 # Navigation.
 
 
 def test_a_plan_is_followed_to_its_goal():
-    planned = Plans(Plan((5, 6, 7, 8), 1, SURE))  # vertex v is at v - 4
+    planned = Plans(sure((5, 6, 7, 8), 1))  # vertex v is at v - 4
     navigation, line = navigation_along(planned, [goals_at(-3, 5.5)]), Line([0.2])
     assert isinstance(navigation, Navigation)
     assert navigation.plans == [None]
@@ -57,7 +55,7 @@ def test_a_plan_is_followed_to_its_goal():
 
 
 def test_each_robot_goes_to_its_own_goal():
-    plans = {3.5: Plan((5, 6), 0, SURE), -2.5: Plan((3, 2), 1, SURE), 0.6: Plan((), 0, SURE)}
+    plans = {3.5: sure((5, 6), 0), -2.5: sure((3, 2), 1), 0.6: sure((), 0)}
     goals = [goals_at(3.5), goals_at(7, -2.5), goals_at(0.6)]
     wanted = {id(goal): place for goal, place in zip(goals, plans, strict=True)}
 
@@ -73,7 +71,7 @@ def test_each_robot_goes_to_its_own_goal():
 
 def test_a_lost_robot_replans_and_excludes_what_it_could_not_reach():
     # No robot gets past 2.4, so vertex 7 at 3 is not reached; the other goal is at -3.
-    planned = Plans(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
+    planned = Plans(sure((5, 6, 7, 8), 0), sure((5, 4, 3, 2), 1))
     navigation = navigation_along(planned, [goals_at(5, -3)], wall=2.4)
     line = Line([0.0], wall=2.4)
     line.go(navigation, 140)
@@ -94,7 +92,7 @@ def test_a_lost_robot_replans_and_excludes_what_it_could_not_reach():
 
 def test_what_was_excluded_stays_excluded_while_it_replans():
     paths = (7, 8), (8,), (9,), ()
-    planned = Plans(*(Plan(path, 0, SURE) for path in paths))
+    planned = Plans(*(sure(path, 0) for path in paths))
     navigation = navigation_along(planned, [goals_at(5)], replan_time=14.0, wall=2.4)
     line = Line([2.0], wall=2.4)
     line.go(navigation, 400)
@@ -107,11 +105,11 @@ def test_what_was_excluded_stays_excluded_while_it_replans():
 
 @pytest.mark.parametrize("seconds", [0.0, 8.0, 30.0])
 def test_a_robot_that_is_lost_for_too_long_gives_up(seconds):
-    planned = Plans(Plan((7, 8), 0, SURE))
+    planned = Plans(sure((7, 8), 0))
     goals = [goals_at(5), goals_at(1)]
     navigation = navigation_along(planned, goals, replan_time=seconds, wall=2.4)
     navigation._find_path = lambda o, g, s: (
-        planned(o, g, s) if len(g) and g.contexts[0, 1] == 5 else Plan((5,), 0, SURE)
+        planned(o, g, s) if len(g) and g.contexts[0, 1] == 5 else sure((5,), 0)
     )
     line = Line([2.0, 0.0], wall=2.4)
     steps = 0
@@ -153,7 +151,7 @@ def test_a_robot_without_a_plan_gives_up_before_long():
 
 def test_what_failed_is_a_stretch_with_all_edges_beside_it():
     # 6 and 10 are at one place, 7 and 11 at another; 9 is only seen from 7, and 12 looks back.
-    planned = Plans(Plan((5, 6, 7), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
+    planned = Plans(sure((5, 6, 7), 0), sure((5, 4, 3, 2), 1))
     navigation, line = navigation_along(planned, [goals_at(5, -3)], wall=2.4), Line([0.0], wall=2.4)
     edges = [(5, 6), (6, 7), (6, 10), (10, 6), (7, 11), (11, 7), (7, 9)]
     for source, target in [*edges, (10, 11), (6, 11), (10, 9), (12, 7), (5, 7)]:
@@ -169,8 +167,10 @@ def test_what_failed_is_a_stretch_with_all_edges_beside_it():
 
 
 def test_a_robot_under_way_takes_any_path_rather_than_none():
-    refused = Plan((5, 4, 3, 2), 1, (0.4, 0.5), refusal="the best path has probability 0.2")
-    planned = Plans(Plan((5, 6, 7, 8), 0, SURE), refused)
+    refused = Plan(
+        (5, 4, 3, 2), 1, (0.4, 0.5, 1.0, 1.0, 1.0), refusal="the best path has probability 0.2"
+    )
+    planned = Plans(sure((5, 6, 7, 8), 0), refused)
     navigation = navigation_along(planned, [goals_at(5, -3)], wall=2.4)
     line = Line([0.0], wall=2.4)
     line.go(navigation, 440)
@@ -189,7 +189,7 @@ class Steering(LineController):
 
 def test_a_robot_without_a_plan_searches_for_one():
     unknown = Plan(refusal="no path leads from what is seen here to the goal")
-    planned = Plans(unknown, unknown, Plan((5,), 0, SURE))
+    planned = Plans(unknown, unknown, sure((5,), 0))
     navigation, line = navigation_along(planned, [goals_at(2)]), Line([0.0])
     navigation.follower.controller = Steering()
     robot = np.array([0])
@@ -207,9 +207,9 @@ def test_a_robot_without_a_plan_searches_for_one():
 
 @pytest.mark.full
 def test_a_robot_searches_for_twenty_seconds_each_time():
-    unknown, sure = Plan(refusal="no path"), Plan((7, 8), 0, SURE)
+    unknown, wall = Plan(refusal="no path"), sure((7, 8), 0)
     # A plan every second; what is found after 15 s leads to a wall, and after 15 s more to a goal.
-    planned = Plans(*[unknown] * 15, sure, *[unknown] * 15, Plan((5, 4), 1, SURE))
+    planned = Plans(*[unknown] * 15, wall, *[unknown] * 15, sure((5, 4), 1))
     navigation = navigation_along(planned, [goals_at(5, -1)], wall=2.4)
     line = Line([2.0], wall=2.4)
     line.go(navigation, 600)
@@ -259,7 +259,7 @@ def test_a_robot_alone_does_as_in_a_fleet():
 
 
 def test_only_given_robots_plan_and_go_on():
-    navigation = navigation_along(Plans(Plan((5, 6), 0, SURE)), [goals_at(3)] * 3)
+    navigation = navigation_along(Plans(sure((5, 6), 0)), [goals_at(3)] * 3)
     line = Line([0.0, 0.0, 0.0])
     for _ in range(5):
         actions = navigation.act(line.observe(np.array([0, 2])), np.array([0, 2]))
@@ -517,7 +517,7 @@ def test_a_plan_over_an_edge_that_turns_is_followed_with_that_turn():
         topomap.connect(vertex, vertex + 1, 0.99)
     topomap.graph.remove_edge(2, 3)
     topomap.connect_by_turn(2, 3, 0.95, 1.25)
-    navigation = navigation_over(topomap, Plans(Plan((1, 2, 3, 4), 0, SURE)), [goals_at(4.5)])
+    navigation = navigation_over(topomap, Plans(sure((1, 2, 3, 4), 0)), [goals_at(4.5)])
     given, assign = [], navigation.follower.assign
     navigation.follower.assign = lambda *told: (given.append(told), assign(*told))
     Line([0.9]).go(navigation, 1)

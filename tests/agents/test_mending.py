@@ -22,7 +22,7 @@ def sent(wall=np.inf, seen=np.inf, start=0.0):
         topomap.connect(source, source + 1, 0.9, driven=1)
         topomap.connect(source + 1, source, 0.9, driven=1)
     upkeep = Maintenance(topomap.graph, MaintenanceRules(), 1.0, 1.0)
-    plan = Plan(tuple(PLACES), 0, (0.9,) * (len(PLACES) - 1))
+    plan = Plan(tuple(PLACES), 0, (0.9,) * (len(PLACES) + 1))
     mending = partial(MendingNavigation, upkeep=upkeep)
     navigation = navigation_over(topomap, Plans(plan), [goals_at(7.0)], kind=mending)
     return Line([start], wall, seen), navigation, upkeep

@@ -2,13 +2,13 @@
 
 import pytest
 
-from tests.agents.line import Line, Plans, goals_at, navigation_along
+from tests.agents.line import Line, Plans, goals_at, navigation_along, sure
 from tutorial_lib.agents.blockades import WAIT
 from tutorial_lib.agents.navigator import LOOK_TIME
 from tutorial_lib.interfaces import HERE, Plan
 from tutorial_lib.world.simulation import STEP
 
-AHEAD, BACK = Plan((7, 8), 0, (0.99,)), Plan((5, 4), 1, (0.99,))  # vertex v is at v - 4
+AHEAD, BACK = sure((7, 8), 0), sure((5, 4), 1)  # vertex v is at v - 4
 PATIENT = 60.0  # seconds after which the follower alone is lost
 
 
@@ -31,7 +31,7 @@ def test_a_robot_that_waited_for_what_it_sees_in_its_way_replans(seen, plans):
 
 
 def test_a_robot_that_found_no_plan_for_ten_seconds_may_begin_anywhere():
-    planned = Plans(Plan((5, 6, 7, 8), 0, (0.99,)), *[Plan(refusal="no path")] * 30)
+    planned = Plans(sure((5, 6, 7, 8), 0), *[Plan(refusal="no path")] * 30)
     navigation = navigation_along(planned, [goals_at(5, -3)], wall=2.4)
     line = Line([0.0], wall=2.4)
     while len(planned.queries) < 2:

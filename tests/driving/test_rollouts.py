@@ -295,3 +295,34 @@ def test_a_navigation_ends_as_it_declares_or_stuck_or_late(box):
             NavigationEnds(again, wrong)
     with pytest.raises(InputError, match=r"limit: shape \(2,\); give seconds for 4 robots"):
         rollout(Simulation(box, starts), again, NavigationEnds(again, [1.0, 2.0]))
+
+
+def test_a_navigation_is_of_as_many_robots_as_the_simulation(box):
+    simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    for count in (1, 3):
+        other = Declares([3] * count, [np.inf] * count, [0] * count)
+        with pytest.raises(InputError, match=rf"arrived, of .*: shape \({count},\); .*\(2,\)"):
+            rollout(simulation, other, NavigationEnds(other, 6.0))
+
+
+@pytest.mark.parametrize("name", ["arrived", "given_up"])
+@pytest.mark.parametrize("value", [[False], ["no", "no"], None])
+def test_what_a_navigation_declares_are_truth_values_of_each_robot(box, name, value):
+    simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    navigation = Declares([9, 9], [9, 9], [0, 0])
+    ends = NavigationEnds(navigation, 6.0)
+    setattr(navigation, name, value)
+    with pytest.raises(InputError, match=f"^{name}: "):
+        ends.after_step(simulation, np.zeros(2), simulation.poses)
+
+
+def test_what_never_declares_anything_is_no_navigation():
+    with pytest.raises(InputError, match="give an object that has arrived and given_up"):
+        NavigationEnds(OnlyActs(), 6.0)
+
+
+class OnlyActs:
+    """A policy that declares nothing."""
+
+    def act(self, observations, robots):
+        return np.zeros((len(robots), 2))

@@ -12,7 +12,7 @@ from tests.made_up_maps import Streets, Table, numbered, places_in, sensed, tabl
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import HERE, Goals, Localizer, Plan, Planner
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.planner import DijkstraPlanner
+from tutorial_lib.topology.planner import DijkstraPlanner, checked_plan
 
 NO = 0.01
 
@@ -268,7 +268,29 @@ def test_goals_come_with_all_that_is_needed():
 
 def test_a_plan_without_steps_promises_nothing():
     assert Plan().probability == 0.0
-    assert Plan(probabilities=(0.5, 0.5)).probability == 0.25
+    assert Plan((1,), 0, (0.5, 0.5)).probability == 0.25
+
+
+@pytest.mark.parametrize(("vertices", "count", "steps"), [((), 2, 1), ((3,), 1, 2), ((3, 4), 4, 3)])
+def test_a_plan_has_a_probability_of_every_step_or_none(vertices, count, steps):
+    with pytest.raises(InputError, match=f"probabilities: {count} for .*; give {steps}, of every"):
+        Plan(vertices, 0, (0.9,) * count)
+
+
+def test_a_plan_leads_over_the_map_to_a_goal_or_is_refused():
+    topomap, _, goals = line(4)
+    topomap.connect(0, 1, 0.9)
+    for plan in (Plan((0, 1)), Plan((), 0, (0.9,)), Plan(refusal="no path")):
+        assert checked_plan(plan, topomap, goals) is plan
+    wrong = {
+        r"plan: leads to goal image 7, but there are \d+$": Plan((0, 1), 7),
+        "plan: leads over 99, which is no vertex of the map": Plan((0, 99)),
+        "plan: leads from vertex 1 to 3, which no edge joins": Plan((1, 3)),
+        r"planner: .*\(0, 1\)": (0, 1),
+    }
+    for words, plan in wrong.items():
+        with pytest.raises(InputError, match=words):
+            checked_plan(plan, topomap, goals)
 
 
 def test_it_fits_the_seam():

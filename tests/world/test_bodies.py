@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import compose, inverse, to_local
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
 
@@ -77,3 +78,9 @@ def test_a_round_robot_s_footprint_lies_just_around_its_circle():
     middles = (corners + np.roll(corners, -1, axis=0)) / 2
     assert np.linalg.norm(middles, axis=1) == pytest.approx(np.full(12, robot.radius))
     assert np.linalg.norm(corners, axis=1).max() < 1.04 * robot.radius
+
+
+def test_the_axles_are_within_the_car():
+    assert BicycleCar(wheelbase=0.42, length=0.42).footprint[0, 0] == 0.0
+    with pytest.raises(InputError, match=r"wheelbase: 0\.6; give at most the length, 0\.42 m"):
+        BicycleCar(wheelbase=0.6)

@@ -12,7 +12,7 @@ from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings, add_turns
-from tutorial_lib.topology.planner import DijkstraPlanner
+from tutorial_lib.topology.planner import DijkstraPlanner, checked_plan
 from tutorial_lib.validation import instance, instances, number, with_methods
 
 
@@ -69,7 +69,12 @@ class MengAgent(MapAgent):
             add_turns(self.topomap, anchors, added.path, self.turns)
 
     def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
-        """The planner's path."""
+        """The planner's path.
+
+        Raises:
+            InputError: when it is no path over the map to one of the goal's images.
+        """
         instance("observation", observation, Observation)
         instance("goals", goals, Goals)
-        return self.planner.plan(observation, goals, self.topomap, excluded)
+        plan = self.planner.plan(observation, goals, self.topomap, excluded)
+        return checked_plan(plan, self.topomap, goals)

@@ -9,12 +9,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.array_forms import quoted
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Navigation, Observation, Policy, Robots
-from tutorial_lib.validation import alike, flag, floats, instance, number, with_methods
+from tutorial_lib.validation import alike, flag, flags, floats, instance, number, with_methods
 from tutorial_lib.world.simulation import STEP, Simulation, checked_actions
 
 SETTLED = 1.0
@@ -87,10 +88,13 @@ def rollout(
         record: is shown every step before it is made.
 
     Raises:
-        InputError: when the policy returns anything but finite (M, 2).
+        InputError: when the policy returns anything but finite (M, 2), or is a navigation of more
+            or fewer robots.
     """
     count = len(instance("simulation", simulation, Simulation))
     with_methods("policy", policy, "act")
+    if isinstance(policy, Navigation):
+        flags("arrived, of the policy's robots", policy.arrived, (count,))
     with_methods("ends", ends, "after_step")
     if record is not None and not callable(record):
         raise InputError(f"record: {record!r}; give a function")
@@ -176,6 +180,10 @@ class NavigationEnds:
             InputError: when it is no `Navigation`, or limits are no numbers from 0 on.
         """
         self._navigation = with_methods("navigation", navigation, "act")
+        if not isinstance(navigation, Navigation):
+            raise InputError(
+                f"navigation: {quoted(navigation)}; give an object that has arrived and given_up"
+            )
         self._limit = floats("limit", limit, least=0.0)
         self._touched = np.zeros(())
 
@@ -192,8 +200,8 @@ class NavigationEnds:
         return {
             "late": seconds >= self._limit,
             "stuck": self._touched >= STUCK - STEP / 2,
-            "gave_up": np.asarray(self._navigation.given_up),
-            "arrived": np.asarray(self._navigation.arrived),
+            "gave_up": flags("given_up", self._navigation.given_up, (count,)),
+            "arrived": flags("arrived", self._navigation.arrived, (count,)),
         }
 
 

@@ -1,10 +1,10 @@
-"""A localizer (`interfaces.Localizer`): at which vertices of the map may the robot be?"""
+"""A localizer (`interfaces.Localizer`): which vertices can the robot drive to from here?"""
 
 import numpy as np
 
 
 class Mine:
-    """May be wherever RE predicts that it can drive to from here."""
+    """Asks RE about the 64 vertices whose images are most alike."""
 
     def localize(self, observations, topomap):
         belief = np.zeros((len(observations), len(topomap)))

@@ -126,6 +126,24 @@ class DijkstraPlanner:
         return near, topomap.vertices.into(observation, np.zeros_like(near), near)
 
 
+def checked_plan(plan: Plan, topomap: TopoMap, goals: Goals) -> Plan:
+    """A planner's plan, if it leads over edges of the map to one of the goal's images.
+
+    Raises:
+        InputError: when it does not, or is no plan.
+    """
+    vertices = instance("planner", plan, Plan).vertices
+    if plan.goal >= len(goals):
+        raise InputError(f"plan: leads to goal image {plan.goal}, but there are {len(goals)}")
+    for vertex in vertices:
+        if vertex not in topomap.graph:
+            raise InputError(f"plan: leads over {vertex}, which is no vertex of the map")
+    for source, target in pairwise(vertices):
+        if not topomap.graph.has_edge(source, target):
+            raise InputError(f"plan: leads from vertex {source} to {target}, which no edge joins")
+    return plan
+
+
 def excluded_edges(excluded: Collection[tuple[int, int]]) -> frozenset[tuple[int, int]]:
     """The edges that a plan must not use, or an `InputError`."""
     given = listed("excluded", excluded, "edges, tuples of two vertices each")

@@ -37,7 +37,7 @@ class BicycleCar:
     circle has the radius wheelbase / tan(max_steering), 0.62 m.
 
     Attributes:
-        wheelbase: metres between the axles.
+        wheelbase: metres between the axles, at most its length.
         length, width: metres; both overhangs are equal.
         max_steering: rad.
         steering_rate: rad/s.
@@ -58,6 +58,10 @@ class BicycleCar:
         _check_amounts(self, "max_reverse")
         if not self.max_steering < np.pi / 2:
             raise InputError(f"max_steering: {self.max_steering}; give rad below pi / 2")
+        if self.wheelbase > self.length:
+            raise InputError(
+                f"wheelbase: {self.wheelbase}; give at most the length, {self.length} m"
+            )
 
     @property
     def footprint(self) -> Array:

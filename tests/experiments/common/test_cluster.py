@@ -59,7 +59,7 @@ def slow_square(number, offset):
     return number * number + offset
 
 
-@pytest.mark.parametrize("bad", ["tcp://127.0.0.1:1", "nowhere:at:all"])
+@pytest.mark.parametrize("bad", ["tcp://127.0.0.1:1", "nowhere:at:all", "foo"])
 def test_where_no_scheduler_answers_it_is_said(bad, monkeypatch):
     monkeypatch.setattr("tutorial_lib.experiments.common.cluster.PATIENCE", 0.5)
     words = f"--scheduler {bad}: no scheduler answers there"

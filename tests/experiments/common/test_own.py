@@ -98,8 +98,35 @@ def own(tmp_path):
 
 @pytest.mark.parametrize("seam", MEMBERS)
 def test_a_class_is_what_its_members_make_it(own, seam):
-    where = own("class Mine:\n" + "".join(f"    {name} = 1\n" for name in MEMBERS[seam]))
-    assert load_own(where, [seam])[0] == seam
+    assert load_own(own(class_of(MEMBERS[seam])), [seam])[0] == seam
+
+
+def class_of(members):
+    """A class with these members, whose methods take what is said."""
+    lines = (
+        f"    {name} = 0\n" if takes is None else f"    def {name}(self, {takes}): ...\n"
+        for name, takes in members.items()
+    )
+    return f"class Mine:\n{''.join(lines)}"
+
+
+@pytest.mark.parametrize("seam", MEMBERS)
+@pytest.mark.parametrize("change", ["fewer", "more", "none"])
+def test_a_method_that_cannot_be_called_as_it_will_be_is_refused_by_name(own, seam, change):
+    for name, takes in MEMBERS[seam].items():
+        if takes is not None:
+            fewer = ", ".join(["*", *takes.split(", ")[1:], "view=0"])
+            wrong = {"fewer": fewer, "more": f"{takes}, floor", "none": None}[change]
+            where = own(class_of(MEMBERS[seam] | {name: wrong}))
+            with pytest.raises(InputError, match=rf"{name}.* of this {seam} is (called|0)"):
+                load_own(where, [seam])
+
+
+def test_a_class_may_take_more_than_it_is_given_and_use_modules_beside_it(own, tmp_path):
+    (tmp_path / "beside_it.py").write_text("LIMIT = 0.6\n")
+    text = "from beside_it import LIMIT\n\n\nclass Mine:\n    limit = LIMIT\n"
+    where = own(text + "    def plan(self, *all, least=LIMIT): ...\n")
+    assert load_own(where, ["planner"])[1].limit == 0.6
 
 
 def test_a_wrong_class_is_told_what_each_seam_needs(own):

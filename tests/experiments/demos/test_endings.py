@@ -7,8 +7,8 @@ from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.protocols.navigation import Outcome
 from tutorial_lib.interfaces import Plan
 
-PLAN, NONE = Plan((1, 2), 0, (0.9, 0.999)), Plan(refusal="no path leads from here")
-REFUSED = Plan((1, 2), 0, (0.3, 0.3), refusal="the best path has probability 0.090, below 0.2")
+PLAN, NONE = Plan((1, 2), 0, (0.9, 1.0, 0.999)), Plan(refusal="no path leads from here")
+REFUSED = Plan((1, 2), 0, (0.3, 0.3, 1.0), refusal="the best path has probability 0.090, below 0.2")
 
 
 @pytest.mark.parametrize(

@@ -34,9 +34,11 @@ def on_cluster(address: str) -> Iterator[None]:
         return
     try:
         from distributed import Client, KilledWorker
+        from distributed.comm.addressing import parse_address, parse_host_port
     except ImportError as error:
         raise InputError("--scheduler: needs Dask; pip install 'dask[distributed]'") from error
     try:
+        parse_host_port(parse_address(address)[1])  # a client that fails at this complains for 20 s
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(

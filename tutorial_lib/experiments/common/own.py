@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -23,16 +24,27 @@ from tutorial_lib.world.sensors import Camera
 CUSTOM = "custom"
 """The name of its rows."""
 MEMBERS = {
-    "agent": ("learn", "start"),
-    "explorer": ("start", "act"),
-    "planner": ("plan",),
-    "localizer": ("localize",),
-    "reachability": ("prepare", "probability"),
-    "predictor": ("view", "k", "prepare", "predict"),
-    "local controller": ("view", "k", "prepare", "act"),
-    "controller": ("act",),
+    "agent": {"learn": "experiences", "start": "goals"},
+    "explorer": {"start": "goals", "act": "observations, running"},
+    "planner": {"plan": "observation, goals, topomap, excluded"},
+    "localizer": {"localize": "observations, topomap"},
+    "reachability": {"prepare": "targets", "probability": "observations, prepared"},
+    "predictor": {
+        "view": None,
+        "k": None,
+        "prepare": "contexts",
+        "predict": "observations, targets",
+    },
+    "local controller": {
+        "view": None,
+        "k": None,
+        "prepare": "contexts",
+        "act": "observations, targets",
+    },
+    "controller": {"act": "observations, waypoints"},
 }
-"""What a class can be, see `tutorial_lib.interfaces`, and the members that make it that."""
+"""What a class can be, see `tutorial_lib.interfaces`, and the members that make it that: what each
+method is called with, in this order; None for what is no method."""
 _RETURNED: dict[Path, FunctionType] = {}
 """By file of users' code, the method that returned last: what it gave is found wrong later."""
 
@@ -45,8 +57,8 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
         seams: what the experiment can compare, of `MEMBERS`; of several that fit the first counts.
 
     Raises:
-        InputError: if there is no such file or class, if it cannot be instantiated, or if it has
-            the members of none of the seams.
+        InputError: if there is no such file or class, if it cannot be instantiated, if it has the
+            members of none of the seams, or if a method of it cannot be called as it will be.
     """
     part = guarded(where, _instantiate, where)
     missing = {
@@ -55,6 +67,7 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
     }
     fits = [seam for seam in seams if not missing[seam]]
     if fits:
+        guarded(where, _check_methods, part, fits[0])
         return fits[0], part
     needed = "; ".join(f"{seam}: {', '.join(MEMBERS[seam])}" for seam in seams)
     begun = [seam for seam in seams if len(missing[seam]) < len(MEMBERS[seam])]
@@ -127,12 +140,33 @@ def _instantiate(where: str) -> Any:  # noqa: ANN401
         raise InputError(f"{file} is no Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module
+    folder = str(path.resolve().parent)  # where Python looks when it runs such a file, too
+    if folder not in sys.path:
+        sys.path.append(folder)
     spec.loader.exec_module(module)
     _watch(module, path.resolve())
     known = getattr(module, name, None)
     if known is None:
         raise InputError(f"{file} has no {name}")
     return known()
+
+
+def _check_methods(part: Any, seam: str) -> None:  # noqa: ANN401
+    """Refuse a method that takes fewer or more arguments than it is called with."""
+    for name, arguments in MEMBERS[seam].items():
+        if arguments is None:
+            continue
+        method = getattr(part, name)
+        if not callable(method):
+            raise InputError(f"{name} of this {seam} is {quoted(method)}; make it a method")
+        try:
+            takes = inspect.signature(method)
+        except ValueError:  # of a method that is not written in Python
+            continue
+        try:
+            takes.bind(*arguments.split(", "))
+        except TypeError:
+            raise InputError(f"{name}{takes} of this {seam} is called with ({arguments})") from None
 
 
 def _watch(module: ModuleType, file: Path) -> None:

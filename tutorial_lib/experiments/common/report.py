@@ -13,6 +13,8 @@ DRIFTING, EXACT = ODOMETRY = ("drifting", "exact")
 """The wheel odometry of robots, see `world.noise.WheelOdometry`."""
 ROUND, CAR = BODIES = ("round", "car")
 """The robots that explore, see `exploration.task` and `exploration.car_task`."""
+MOST_WORLDS = 100_000
+"""In one run."""
 Rows = list[dict[str, Any]]
 """One for each line of the table; all have the same keys."""
 
@@ -188,6 +190,8 @@ def parse_worlds(text: str) -> tuple[int, ...]:
         first, last = 0, 0
     if not 0 <= first < last:
         raise argparse.ArgumentTypeError(f"{text!r}: give A:B with 0 <= A < B, as in 20000:20020")
+    if last - first > MOST_WORLDS:
+        raise argparse.ArgumentTypeError(f"{text!r}: give at most {MOST_WORLDS:,} worlds")
     return tuple(range(first, last))
 
 
