@@ -14,6 +14,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos import navigate_once
 from tutorial_lib.experiments.demos import task as tasks
 from tutorial_lib.experiments.demos.ends import parse_end
+from tutorial_lib.experiments.demos.navigation_demo import run_demo
 from tutorial_lib.experiments.demos.routes import LEARNED
 from tutorial_lib.experiments.demos.sureness import STEP, recognised_from, sureness
 from tutorial_lib.experiments.demos.task import PART, RECOGNISED, SURE, choose_task
@@ -217,3 +218,14 @@ def test_a_task_is_chosen_and_shown_through_the_camera_that_was_given():
     assert task.building.camera == narrow
     sharp = Camera(rows=64, columns=192, field_of_view=narrow.field_of_view)
     assert (task.image == sharp.look(scene, task.trial.goal_poses)[0][0]).all()
+
+
+def test_a_body_that_is_too_large_is_named(tmp_path):
+    path = tmp_path / "fat.py"
+    path.write_text(
+        "from tutorial_lib.world import BicycleCar\n\n\n"
+        "def fat():\n    return BicycleCar(wheelbase=1.0, length=1.4, width=1.2)\n"
+    )
+    with pytest.raises(InputError, match=r"inside a wall.*; or a smaller body in --robot .*:fat"):
+        run_demo(generate("apartment", 0), 0, tmp_path, robot=f"{path}:fat")
+    assert not list(tmp_path.glob("demo.*"))

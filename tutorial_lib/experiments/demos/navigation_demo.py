@@ -138,7 +138,12 @@ def run_demo(
     usual = agents.meng(camera)
     agent = _with_own(own, camera) if own else usual
     asked = {"name": name, "start": start, "goal": goal, "body": body, "camera": camera}
-    task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
+    try:
+        task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
+    except InputError as error:
+        if not robot:
+            raise
+        raise InputError(f"{error}; or a smaller body in --robot {robot}") from error
     call = partial(guarded, own) if own else _call
     file = call(partial(learn_map, recorded=task.recorded, again=learn), agent, task.building, say)
     beside = drive_oracle(task, say) if oracle else None

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
-from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.common.report import Finding, Rows
 from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
 from tutorial_lib.experiments.results_page.markdown import Row, interval, number, percent, table
 from tutorial_lib.experiments.results_page.tables import (
@@ -13,6 +13,7 @@ from tutorial_lib.experiments.results_page.tables import (
     listing,
     matching,
     named,
+    of,
     one,
     success,
 )
@@ -101,6 +102,39 @@ def finetune(rows: Rows) -> str:
         ("queries", success),
         ("vertices", "{vertices:.0f}"),
     )
+
+
+def size(rows: Rows) -> str:
+    """Success, vertices and edges of maps with other thresholds."""
+    connect = sorted(set(column(rows, "connect")))
+
+    def at(metres: float) -> Text:
+        return of(rows, lambda row: f"{success(row)}, {row['edges']:,.0f} edges", connect=metres)
+
+    return listing(
+        [
+            {"family": family, "merge": merge}
+            for family in FAMILIES
+            for merge in sorted(set(column(rows, "merge")))
+        ],
+        ("worlds", _family),
+        ("D_m", "{merge} m"),
+        ("vertices", of(rows, "{vertices:.0f}", connect=connect[-1])),
+        *((f"D_c = {metres} m", at(metres)) for metres in connect),
+    )
+
+
+def differences(findings: Iterable[Finding], queries: str = "") -> str:
+    """Paired differences of agents; of all queries, or of those that are named."""
+    cells = []
+    for found in findings:
+        of_which, agents = found.what.split(": ")
+        family, asked, perception = of_which.split(", ")
+        if queries in asked:
+            more, less = (AGENTS[agent] for agent in agents.split(" - "))
+            words = [FAMILIES[family], asked.removeprefix("queries "), perception]
+            cells.append([*words, f"{more} - {less}", str(found)])
+    return table(["worlds", "queries", "perception", "agents", "success"], cells)
 
 
 def queries(rows: Rows) -> str:

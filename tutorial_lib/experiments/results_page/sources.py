@@ -23,7 +23,7 @@ ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
 EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
-LIFELONG = ("label", "model", "finetune", "lifelong", "spurious", "change")
+LIFELONG = ("label", "model", "finetune", "size", "lifelong", "spurious", "change")
 """Experiments of maps that mend themselves."""
 LIVES = ("parts", "meng")
 """Ablations of hundreds of queries."""
