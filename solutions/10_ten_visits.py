@@ -288,8 +288,8 @@ def overlay(node, seen, pose, side=262, metres=7.5):
     return picture
 
 
-def ring_of(pose, metres=0.5, count=8):
-    """Poses that are as far beside a pose, in all directions."""
+def ring_of(pose, metres=0.5, count=72):
+    """Poses that are as far beside a pose, in directions all around."""
     turns = np.arange(count) * 2 * np.pi / count
     return pose + metres * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
 
@@ -320,7 +320,7 @@ places = dict(zip("ABC", (pairs[order[0]], pairs[order[3]], pairs[order[-1]]), s
 
 def wrongly(node, seen, pose):
     """The best of the poses that are half a metre wrong."""
-    ring = ring_of(pose, count=16)
+    ring = ring_of(pose)
     return ring[fit(node, seen, ring).argmax()]
 
 
@@ -493,7 +493,7 @@ def accept(node, seen, guess, pose):
     """
     ### BEGIN SOLUTION
     gap = relative(guess, pose)
-    turns = np.arange(8) * np.pi / 4
+    turns = np.deg2rad(np.arange(0, 360, 5))
     around = pose + 0.5 * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
     here = fit(node, seen, pose[None])[0]
     if here < 0.75 or fit(node, seen, around).max() > here - 0.1:

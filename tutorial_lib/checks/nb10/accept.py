@@ -126,7 +126,7 @@ CASES: dict[str, tuple[Any, ...]] = {
         "a room with a corner", "a wide hall", (1.5, 1.2, 0.0), (1.5, 1.2, 0.0)
     ),
     "another room, from a robot that looks aside": _elsewhere(
-        "a room with a cupboard", "a small room", (2.0, 1.5, 0.3), (1.2, 1.3, 1.5)
+        "a small room", "a room with a corner", (1.3, 1.4, -1.0), (2.2, 1.8, -1.2)
     ),
     "a room that shares two walls": _elsewhere(
         "a room with a cupboard", "a square room", (2.0, 1.5, 0.3), (2.0, 1.6, 0.0)
@@ -210,7 +210,7 @@ def _broken(
         return "a good match is refused: are you too strict?"
     here, around = _fits(node, seen, pose)
     if here >= 0.75 and around >= here - 0.1:
-        return "a corridor is believed: does it lie between two of your directions?"
+        return "you believe a corridor that slides; does it lie between two of your directions?"
     return "a match is believed that must not be"
 
 
