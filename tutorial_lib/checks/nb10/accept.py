@@ -203,9 +203,7 @@ def _difference(
     )
 
 
-def _broken(
-    got: bool, want: bool, node: NDArray, seen: NDArray, guess: Array, pose: Array
-) -> str:
+def _broken(got: bool, want: bool, node: NDArray, seen: NDArray, guess: Array, pose: Array) -> str:
     if want:
         return "a good match is refused: are you too strict?"
     here, around = _fits(node, seen, pose)
