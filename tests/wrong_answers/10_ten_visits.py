@@ -349,12 +349,6 @@ def accept__along_x(node, seen, guess, pose):
     return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
 
 
-def accept__eight_directions(node, seen, guess, pose):
-    """these directions are too few: a corridor that lies between two of them slides past all"""
-    near, here, around = _parts(node, seen, guess, pose, count=8)
-    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
-
-
 def accept__sixteen_directions(node, seen, guess, pose):
     """perhaps: these directions are too few"""
     near, here, around = _parts(node, seen, guess, pose, count=16)

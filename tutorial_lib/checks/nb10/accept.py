@@ -170,7 +170,7 @@ look at the fit at the pose, not at the guess
 the poses around it must fit clearly worse, not just a little
     here - 0.1 -> here
 you ask for too much: half a metre off, the fit of a good match falls by a third or so
-    here - 0.1 -> here - 0.7
+    here - 0.1 -> here - 0.4
 yours is the other way round
     bool(near and here >= 0.75 and around.max() < here - 0.1)
         -> not (near and here >= 0.75 and around.max() < here - 0.1)
