@@ -8,7 +8,7 @@ import pytest
 from tutorial_lib.agents.walls import match_near
 from tutorial_lib.checks.nb10 import fit
 from tutorial_lib.checks.nb10.accept import CASES as MATCHES
-from tutorial_lib.checks.nb10.accept import accept
+from tutorial_lib.checks.nb10.accept import _across, accept
 from tutorial_lib.checks.nb10.match import CASES, NEAR, match
 from tutorial_lib.checks.nb10.small_rooms import ROOMS, scan
 from tutorial_lib.errors import InputError
@@ -97,7 +97,7 @@ def test_the_reference_is_where_the_library_s_own_matching_is(name):
 
 def test_matches_that_are_believed_and_refused_are_far_apart():
     """So that other lines than the reference's pass as well."""
-    turns = np.arange(8) * np.pi / 4
+    turns = np.deg2rad(np.arange(0, 360, 5))
     ring = 0.5 * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
     for name, (node, seen, guess, pose) in MATCHES.items():
         here, around = fit(node, seen, pose[None])[0], fit(node, seen, pose + ring).max()
@@ -107,6 +107,24 @@ def test_matches_that_are_believed_and_refused_are_far_apart():
         elif name.startswith("a bare corridor"):
             assert here > 0.8, name
             assert around > here - 0.05, name
+
+
+@pytest.mark.parametrize("angle", np.linspace(-np.pi, np.pi, 48, endpoint=False) + 0.01)
+def test_a_bare_corridor_is_refused_at_any_angle(angle):
+    assert not accept(*_across(angle))
+
+
+@pytest.mark.parametrize("count", [4, 6, 8, 10, 12, 16, 18, 20, 24, 28, 32, 36, 40])
+def test_some_corridor_of_the_cases_lies_between_too_few_directions(count):
+    turns = np.arange(count) * 2 * np.pi / count
+    ring = 0.5 * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    drops = [
+        fit(node, seen, pose[None])[0] - fit(node, seen, pose + ring).max()
+        for name, (node, seen, _, pose) in MATCHES.items()
+        if name.startswith("a bare corridor at ")
+    ]
+    assert max(drops) > 0.11
+    assert min(drops) > 0.11 or count not in (4, 8)
 
 
 def test_what_the_notebook_says_of_the_race_is_what_was_measured():

@@ -229,54 +229,77 @@ def match__drawn(node, seen, guess):
 # accept
 
 
-def accept__right_with_sixteen(node, seen, guess, pose):
+def _ring(turns):
+    """Pushes by half a metre, in these directions."""
+    return 0.5 * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+
+
+def accept__right_with_steps_of_three_degrees(node, seen, guess, pose):
     if np.linalg.norm(pose[:2] - guess[:2]) > 1.0 or abs(wrap(pose[2] - guess[2])) > np.pi / 6:
         return False
-    turns = np.arange(16) * np.pi / 8
-    around = pose + 0.5 * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    around = pose + _ring(np.arange(120) * np.pi / 60)
     here = fit(node, seen, pose[None])[0]
     return bool(here > 0.7 and (here - fit(node, seen, around) > 0.15).all())
 
 
-def accept__right_with_four_and_corners(node, seen, guess, pose):
+def accept__right_pose_by_pose(node, seen, guess, pose):
     off = relative(guess, pose)
     near = math.hypot(off[0], off[1]) <= 1 and math.cos(off[2]) >= math.cos(math.radians(30))
     here = float(fit(node, seen, np.array([pose]))[0])
     slides = False
-    for x, y in itertools.product((-0.35, 0.0, 0.35), repeat=2):
-        if (x, y) != (0.0, 0.0):
-            there = float(fit(node, seen, np.array([[pose[0] + x, pose[1] + y, pose[2]]]))[0])
-            slides = slides or there > 0.85 * here
+    for degrees in range(0, 360, 5):
+        x, y = 0.5 * math.cos(math.radians(degrees)), 0.5 * math.sin(math.radians(degrees))
+        there = float(fit(node, seen, np.array([[pose[0] + x, pose[1] + y, pose[2]]]))[0])
+        slides = slides or there > 0.85 * here
     return near and here >= 0.75 and not slides
 
 
-def accept__right_by_a_line_search(node, seen, guess, pose):
-    """In every direction, the worst fit on the way."""
+def accept__right_by_lines(node, seen, guess, pose):
+    """On each line, the better of both ends."""
     gap = relative(guess, pose)
     if not (np.linalg.norm(gap[:2]) <= 1.0 and np.abs(wrap(gap[2])) <= 30 * DEGREES):
         return np.False_
     (here,) = fit(node, seen, pose[None])
-    lowest = []
-    for turn in np.linspace(0, np.pi, 12, endpoint=False):
+    better = []
+    for turn in np.linspace(0, np.pi, 36, endpoint=False):
         along = np.array([-0.5, 0.5])[:, None] * [np.cos(turn), np.sin(turn), 0]
-        lowest.append(fit(node, seen, pose + along).max())
-    return here >= 0.72 and max(lowest) <= here - 0.12
+        better.append(fit(node, seen, pose + along).max())
+    return here >= 0.72 and max(better) <= here - 0.12
 
 
 def accept__right_with_turns_as_well(node, seen, guess, pose):
     near = np.hypot(*(pose - guess)[:2]) < 1.0 and abs(wrap((pose - guess)[2])) < 30 * DEGREES
-    pushes = 0.5 * np.array([[np.cos(t), np.sin(t), 0] for t in np.linspace(0, 2 * np.pi, 9)[:8]])
+    pushes = _ring(np.linspace(0, 2 * np.pi, 73)[:72])
     pushes = np.concatenate([pushes, [[0, 0, 20 * DEGREES], [0, 0, -20 * DEGREES]]])
     here, there = fit(node, seen, pose[None])[0], fit(node, seen, pose + pushes).max()
     return bool(near and here > 0.75 and there < here - 0.1)
 
 
-def _parts(node, seen, guess, pose, off=0.5, count=8):
+def accept__right_with_a_finer_look_around_the_best(node, seen, guess, pose):
+    near, here, around = _parts(node, seen, guess, pose, count=16)
+    best = np.deg2rad(22.5) * around.argmax()
+    finer = best + np.deg2rad(np.arange(-12, 13))
+    slides = fit(node, seen, pose + _ring(finer)).max() > here - 0.1
+    return bool(all(near) and here >= 0.75 and not slides)
+
+
+def accept__right_along_the_axis(node, seen, guess, pose):
+    """By the direction that most wall points see their neighbours in."""
+    near, here, around = _parts(node, seen, guess, pose, count=8)
+    bearings = np.pi - (np.arange(len(node)) + 0.5) * 2 * np.pi / len(node)
+    points = node[:, None] * np.stack([np.cos(bearings), np.sin(bearings)], axis=1)
+    steps = np.diff(points, axis=0)[np.hypot(*np.diff(points, axis=0).T) < 0.8]
+    doubled = 2 * np.arctan2(steps[:, 1], steps[:, 0])
+    axis = 0.5 * np.arctan2(np.sin(doubled).sum(), np.cos(doubled).sum())
+    along = fit(node, seen, pose + _ring(axis + np.array([0.0, np.pi])))
+    return bool(all(near) and here >= 0.75 and max(*around, *along) < here - 0.1)
+
+
+def _parts(node, seen, guess, pose, count=72):
     """Whether it is near the guess, the fit, and the fits around."""
     gap = relative(guess, pose)
     near = np.hypot(gap[0], gap[1]) <= 1.0, abs(wrap(gap[2])) <= 30 * DEGREES
-    turns = np.arange(count) * 2 * np.pi / count
-    around = pose + off * np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
+    around = pose + _ring(np.arange(count) * 2 * np.pi / count)
     return near, fit(node, seen, pose[None])[0], fit(node, seen, around)
 
 
@@ -340,6 +363,28 @@ def accept__along_x(node, seen, guess, pose):
     near, here, _ = _parts(node, seen, guess, pose)
     around = fit(node, seen, pose + np.array([[0.5, 0, 0], [-0.5, 0, 0]]))
     return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
+
+
+def accept__sixteen_directions(node, seen, guess, pose):
+    """perhaps: these directions are too few"""
+    near, here, around = _parts(node, seen, guess, pose, count=16)
+    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
+
+
+def accept__thirty_six_directions(node, seen, guess, pose):
+    """does it lie between two of your directions?"""
+    near, here, around = _parts(node, seen, guess, pose, count=36)
+    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
+
+
+def accept__four_and_corners(node, seen, guess, pose):
+    """a corridor that lies between two of them"""
+    near, here, _ = _parts(node, seen, guess, pose)
+    slides = False
+    for x, y in itertools.product((-0.35, 0.0, 0.35), repeat=2):
+        if (x, y) != (0.0, 0.0):
+            slides = slides or fit(node, seen, pose[None] + [x, y, 0.0])[0] > 0.85 * here
+    return bool(all(near) and here >= 0.75 and not slides)
 
 
 def accept__lax(node, seen, guess, pose):

@@ -21,7 +21,7 @@ from tutorial_lib.se2 import compose, relative, wrap
 def accept(node: NDArray, seen: NDArray, guess: Array, pose: Array) -> bool:
     """Whether a match at a pose (3,) is believed; see the exercise."""
     gap = relative(guess, pose)
-    bearings = np.arange(8) * np.pi / 4
+    bearings = np.deg2rad(np.arange(0, 360, 5))
     aside = 0.5 * np.stack([np.cos(bearings), np.sin(bearings), 0 * bearings], axis=1)
     here, around = fit(node, seen, pose[None])[0], fit(node, seen, pose + aside)
     near = np.hypot(gap[0], gap[1]) <= 1.0 and abs(wrap(gap[2])) <= np.deg2rad(30.0)
@@ -88,6 +88,9 @@ def _across(turn: float) -> Case:
     return _matched("a bare corridor", first, (0.7, 0.9, 0.2), 0.2, 0.1, 5)
 
 
+_OBLIQUE = (15.0, 58.5, 79.0, 129.0, -20.0)
+"""Degrees at which corridors lie between two directions of 4, 8 … 40 that are evenly spaced."""
+
 CASES: dict[str, tuple[Any, ...]] = {
     "a room": _ROOM,
     "a bare corridor": _across(0.0),
@@ -114,6 +117,7 @@ CASES: dict[str, tuple[Any, ...]] = {
     "a robot that is far from the node": _FAR,
     "a bare corridor across the node": _across(np.pi / 2),
     "a bare corridor aslant": _across(np.pi / 4),
+    **{f"a bare corridor at {angle:g} degrees": _across(np.deg2rad(angle)) for angle in _OBLIQUE},
     "a bare corridor, and a robot that looks back": _turned(_across(0.0), 3.0),
     "a room and a corridor": _elsewhere(
         "a room with a corner", "a corridor with doors", (1.5, 1.5, 0.0), (-0.6, 0.8, 0.3)
@@ -122,7 +126,7 @@ CASES: dict[str, tuple[Any, ...]] = {
         "a room with a corner", "a wide hall", (1.5, 1.2, 0.0), (1.5, 1.2, 0.0)
     ),
     "another room, from a robot that looks aside": _elsewhere(
-        "a room with a cupboard", "a small room", (2.0, 1.5, 0.3), (1.2, 1.3, 1.5)
+        "a small room", "a room with a corner", (1.3, 1.4, -1.0), (2.2, 1.8, -1.2)
     ),
     "a room that shares two walls": _elsewhere(
         "a room with a cupboard", "a square room", (2.0, 1.5, 0.3), (2.0, 1.6, 0.0)
@@ -152,9 +156,11 @@ headings of 179 and -179 degrees are 2 degrees apart: wrap the difference
 measure from the guess, not from the node: the robot may be far from the node
     gap = relative(guess, pose) -> gap = pose
 it may slide in every direction, not along x alone
-    np.arange(8) * np.pi / 4 -> np.arange(2) * np.pi
+    np.deg2rad(np.arange(0, 360, 5)) -> np.deg2rad(np.arange(0, 360, 180))
 it may slide in every direction, not along y alone
-    np.arange(8) * np.pi / 4 -> np.pi / 2 + np.arange(2) * np.pi
+    np.deg2rad(np.arange(0, 360, 5)) -> np.deg2rad(np.arange(90, 360, 180))
+these directions are too few: a corridor that lies between two of them slides past all
+    np.arange(0, 360, 5) -> np.arange(0, 360, 45)
 0.4 is no fit: a wrong room gets that, too
     here >= 0.75 -> here >= 0.4
 nothing fits to 0.97: something is always hidden from one of the two
@@ -164,7 +170,7 @@ look at the fit at the pose, not at the guess
 the poses around it must fit clearly worse, not just a little
     here - 0.1 -> here
 you ask for too much: half a metre off, the fit of a good match falls by a third or so
-    here - 0.1 -> here - 0.7
+    here - 0.1 -> here - 0.4
 yours is the other way round
     bool(near and here >= 0.75 and around.max() < here - 0.1)
         -> not (near and here >= 0.75 and around.max() < here - 0.1)
@@ -178,13 +184,18 @@ def _form(what: str, got: object, *_: object) -> bool:
     return bool(got)
 
 
+def _fits(node: NDArray, seen: NDArray, pose: Array) -> tuple[float, float]:
+    """The fit at a pose (3,), and the best half a metre off."""
+    bearings = np.deg2rad(np.arange(0, 360, 5))
+    aside = 0.5 * np.stack([np.cos(bearings), np.sin(bearings), 0 * bearings], axis=1)
+    return fit(node, seen, pose[None])[0], fit(node, seen, pose + aside).max()
+
+
 def _difference(
     got: bool, want: bool, node: NDArray, seen: NDArray, guess: Array, pose: Array
 ) -> str:
     gap = relative(guess, pose)
-    bearings = np.arange(8) * np.pi / 4
-    aside = 0.5 * np.stack([np.cos(bearings), np.sin(bearings), 0 * bearings], axis=1)
-    here, around = fit(node, seen, pose[None])[0], fit(node, seen, pose + aside).max()
+    here, around = _fits(node, seen, pose)
     return (
         f"{got}, but {want} is right; the fit is {here:.2f}, half a metre off up to {around:.2f}, "
         f"and the guess was {np.hypot(gap[0], gap[1]):.1f} m and "
@@ -192,9 +203,12 @@ def _difference(
     )
 
 
-def _broken(got: bool, want: bool, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: bool, want: bool, node: NDArray, seen: NDArray, guess: Array, pose: Array) -> str:
     if want:
         return "a good match is refused: are you too strict?"
+    here, around = _fits(node, seen, pose)
+    if here >= 0.75 and around >= here - 0.1:
+        return "you believe a corridor that slides; does it lie between two of your directions?"
     return "a match is believed that must not be"
 
 
