@@ -163,6 +163,7 @@ def test_it_drives_a_notebook_that_is_right(lab):
     assert report.pressed == ["Drive", "office", "flat", "Play"]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "problem",
     [
@@ -192,6 +193,7 @@ def test_a_question_of_jupyterlab_is_reported_at_once(lab):
         check(lab, notebook)
 
 
+@pytest.mark.full
 def test_it_finds_nothing_else(faults):
     failed = [found for found in faults.problems if "example.invalid" not in found]
     assert len(failed) == 10, failed
