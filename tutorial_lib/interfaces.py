@@ -44,20 +44,22 @@ class Plan:
     refusal: str = ""
 
     def __post_init__(self) -> None:
-        integers("vertices", self.vertices, ("P",), least=0)
+        vertices = np.asarray(integers("vertices", self.vertices, ("P",), least=0))
         whole("goal", self.goal, least=0)
-        floats("probabilities", self.probabilities, ("P",), least=0, most=1 + _ROUNDING)
+        steps = floats("probabilities", self.probabilities, ("P",), least=0, most=1 + _ROUNDING)
+        object.__setattr__(self, "vertices", tuple(vertices.tolist()))
+        object.__setattr__(self, "probabilities", tuple(steps.tolist()))
         instance("refusal", self.refusal, str)
-        steps = len(self.vertices) + 1
-        if len(self.probabilities) not in (0, steps):
+        wanted = len(vertices) + 1
+        if len(steps) not in (0, wanted):
             raise InputError(
-                f"probabilities: {len(self.probabilities)} for {len(self.vertices)} vertices; give "
-                f"{steps}, of every step from here to the goal, or none"
+                f"probabilities: {len(steps)} for {len(vertices)} vertices; give {wanted}, of "
+                "every step from here to the goal, or none"
             )
 
     @property
     def probability(self) -> float:
-        """That every step succeeds, were they independent; 0 where there is no path."""
+        """That every step succeeds, were they independent; 0 without a path or without RE."""
         return float(np.prod(self.probabilities)) if self.probabilities else 0.0
 
 

@@ -301,7 +301,7 @@ def test_a_navigation_is_of_as_many_robots_as_the_simulation(box):
     simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
     for count in (1, 3):
         other = Declares([3] * count, [np.inf] * count, [0] * count)
-        with pytest.raises(InputError, match=rf"arrived, of .*: shape \({count},\); .*\(2,\)"):
+        with pytest.raises(InputError, match=f"navigation: of {count} robots; .* has 2"):
             rollout(simulation, other, NavigationEnds(other, 6.0))
 
 
@@ -319,6 +319,38 @@ def test_what_a_navigation_declares_are_truth_values_of_each_robot(box, name, va
 def test_what_never_declares_anything_is_no_navigation():
     with pytest.raises(InputError, match="give an object that has arrived and given_up"):
         NavigationEnds(OnlyActs(), 6.0)
+
+
+class Late(Declares):
+    """It knows of its robots from the first step on."""
+
+    def __init__(self):
+        super().__init__([1, 1], [np.inf, np.inf], [0, 0])
+        self.arrived = None
+
+    def act(self, observations, robots):
+        self.arrived = np.zeros(2, dtype=bool) if self.arrived is None else self.arrived
+        return super().act(observations, robots)
+
+
+class Wrapped:
+    """Hands on all that it does not have itself."""
+
+    def __init__(self, inner):
+        self.inner = inner
+
+    def __getattr__(self, name):
+        return getattr(self.inner, name)
+
+    def act(self, observations, robots):
+        return self.inner.act(observations, robots)
+
+
+@pytest.mark.parametrize("make", [Late, lambda: Wrapped(Declares([1, 1], [9, 9], [0, 0]))])
+def test_navigations_may_begin_late_and_be_wrapped(box, make):
+    simulation, navigation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]]), make()
+    found = rollout(simulation, navigation, NavigationEnds(navigation, 6.0))
+    assert found.ending.tolist() == ["arrived", "arrived"]
 
 
 class OnlyActs:

@@ -269,6 +269,7 @@ def test_goals_come_with_all_that_is_needed():
 def test_a_plan_without_steps_promises_nothing():
     assert Plan().probability == 0.0
     assert Plan((1,), 0, (0.5, 0.5)).probability == 0.25
+    assert Plan(np.array([1]), 0, np.full(2, 0.5)) == Plan((1,), 0, (0.5, 0.5))
 
 
 @pytest.mark.parametrize(("vertices", "count", "steps"), [((), 2, 1), ((3,), 1, 2), ((3, 4), 4, 3)])

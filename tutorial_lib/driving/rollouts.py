@@ -88,13 +88,13 @@ def rollout(
         record: is shown every step before it is made.
 
     Raises:
-        InputError: when the policy returns anything but finite (M, 2), or is a navigation of more
-            or fewer robots.
+        InputError: when the policy returns anything but finite (M, 2), or a navigation that ends
+            the rollouts has more or fewer robots.
     """
     count = len(instance("simulation", simulation, Simulation))
     with_methods("policy", policy, "act")
-    if isinstance(policy, Navigation):
-        flags("arrived, of the policy's robots", policy.arrived, (count,))
+    if isinstance(ends, NavigationEnds):
+        ends.check_fleet(count)
     with_methods("ends", ends, "after_step")
     if record is not None and not callable(record):
         raise InputError(f"record: {record!r}; give a function")
@@ -180,12 +180,22 @@ class NavigationEnds:
             InputError: when it is no `Navigation`, or limits are no numbers from 0 on.
         """
         self._navigation = with_methods("navigation", navigation, "act")
-        if not isinstance(navigation, Navigation):
+        if not (hasattr(navigation, "arrived") and hasattr(navigation, "given_up")):
             raise InputError(
                 f"navigation: {quoted(navigation)}; give an object that has arrived and given_up"
             )
         self._limit = floats("limit", limit, least=0.0)
         self._touched = np.zeros(())
+
+    def check_fleet(self, count: int) -> None:
+        """Refuse a navigation of more or fewer robots than the simulation has.
+
+        Raises:
+            InputError: when it is one.
+        """
+        robots = np.size(self._navigation.arrived)
+        if np.ndim(self._navigation.arrived) and robots != count:
+            raise InputError(f"navigation: of {robots} robots; the simulation has {count}")
 
     def after_step(
         self, simulation: Simulation, seconds: Array, before: Array

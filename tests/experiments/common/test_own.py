@@ -1,6 +1,7 @@
 """Classes of one's own: what each seam needs is said, and a fault costs only one's own rows."""
 
 import json
+import sys
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -111,18 +112,63 @@ def class_of(members):
 
 
 @pytest.mark.parametrize("seam", MEMBERS)
-@pytest.mark.parametrize("change", ["fewer", "more", "none"])
-def test_a_method_that_cannot_be_called_as_it_will_be_is_refused_by_name(own, seam, change):
+@pytest.mark.parametrize(
+    ("change", "words"), [("fewer", "is called"), ("more", "is called"), ("none", "is 0; make it")]
+)
+def test_a_method_that_cannot_be_called_as_it_will_be_is_refused_by_name(own, seam, change, words):
     for name, takes in MEMBERS[seam].items():
         if takes is not None:
             fewer = ", ".join(["*", *takes.split(", ")[1:], "view=0"])
             wrong = {"fewer": fewer, "more": f"{takes}, floor", "none": None}[change]
             where = own(class_of(MEMBERS[seam] | {name: wrong}))
-            with pytest.raises(InputError, match=rf"{name}.* of this {seam} is (called|0)"):
+            with pytest.raises(InputError, match=f"{name} of this {seam} {words}"):
                 load_own(where, [seam])
 
 
-def test_a_class_may_take_more_than_it_is_given_and_use_modules_beside_it(own, tmp_path):
+@pytest.mark.parametrize(("seam", "member"), [("explorer", "look_for"), ("reachability", "embed")])
+def test_a_method_that_is_not_needed_is_checked_where_there_is_one(own, seam, member):
+    with pytest.raises(InputError, match=f"{member} of this {seam} is called with"):
+        load_own(own(class_of(MEMBERS[seam] | {member: "*, now=0"})), [seam])
+
+
+WRAPPED = """
+from functools import wraps
+
+
+def with_speed(method):
+    @wraps(method)
+    def call(self, *arguments):
+        return method(self, 0.5, *arguments)
+
+    return call
+
+
+class Mine:
+    @with_speed
+    def act(self, speed, observations, waypoints): ...
+"""
+DYNAMIC = """
+class Any:
+    def __getattr__(self, name):
+        return self
+
+    def __call__(self, *_): ...
+
+
+class Mine:
+    act = Any()
+"""
+
+
+@pytest.mark.parametrize("text", [WRAPPED, DYNAMIC])
+def test_methods_of_another_making_are_taken(own, text):
+    assert load_own(own(text), ["controller"])[0] == "controller"
+
+
+def test_a_class_may_take_more_than_it_is_given_and_use_modules_beside_it(
+    own, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("sys.path", [*sys.path])
     (tmp_path / "beside_it.py").write_text("LIMIT = 0.6\n")
     text = "from beside_it import LIMIT\n\n\nclass Mine:\n    limit = LIMIT\n"
     where = own(text + "    def plan(self, *all, least=LIMIT): ...\n")

@@ -15,7 +15,7 @@ def bicycle_step(
     pose: Array, speed: float, steering: float, wheelbase: float, seconds: float
 ) -> Array:
     """The pose (3,) after one step, by the library's car."""
-    car = BicycleCar(wheelbase=wheelbase)
+    car = BicycleCar(wheelbase=wheelbase, length=max(wheelbase, BicycleCar.length))
     x, y, heading = advance(pose, car.twist(np.array([speed, steering])), seconds)
     return np.array([x, y, pose[2] + geometry.wrap(heading - pose[2])])
 

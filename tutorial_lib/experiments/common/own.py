@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
+from textwrap import shorten
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -45,6 +46,8 @@ MEMBERS = {
 }
 """What a class can be, see `tutorial_lib.interfaces`, and the members that make it that: what each
 method is called with, in this order; None for what is no method."""
+OPTIONAL = {"explorer": {"look_for": "goals"}, "reachability": {"embed": "observations"}}
+"""The same for methods that it need not have."""
 _RETURNED: dict[Path, FunctionType] = {}
 """By file of users' code, the method that returned last: what it gave is found wrong later."""
 
@@ -140,7 +143,7 @@ def _instantiate(where: str) -> Any:  # noqa: ANN401
         raise InputError(f"{file} is no Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module
-    folder = str(path.resolve().parent)  # where Python looks when it runs such a file, too
+    folder = str(path.resolve().parent)  # last, so that none of its files hides another module
     if folder not in sys.path:
         sys.path.append(folder)
     spec.loader.exec_module(module)
@@ -153,20 +156,23 @@ def _instantiate(where: str) -> Any:  # noqa: ANN401
 
 def _check_methods(part: Any, seam: str) -> None:  # noqa: ANN401
     """Refuse a method that takes fewer or more arguments than it is called with."""
-    for name, arguments in MEMBERS[seam].items():
-        if arguments is None:
+    for name, arguments in (MEMBERS[seam] | OPTIONAL.get(seam, {})).items():
+        if arguments is None or not hasattr(part, name):
             continue
         method = getattr(part, name)
         if not callable(method):
             raise InputError(f"{name} of this {seam} is {quoted(method)}; make it a method")
         try:
-            takes = inspect.signature(method)
-        except ValueError:  # of a method that is not written in Python
+            takes = inspect.signature(method, follow_wrapped=False)
+        except (TypeError, ValueError):  # it has none, as what is not written in Python
             continue
         try:
             takes.bind(*arguments.split(", "))
         except TypeError:
-            raise InputError(f"{name}{takes} of this {seam} is called with ({arguments})") from None
+            words = shorten(str(takes), 100, placeholder=" ...")
+            raise InputError(
+                f"{name} of this {seam} is called with ({arguments}), but takes {words}"
+            ) from None
 
 
 def _watch(module: ModuleType, file: Path) -> None:
@@ -186,6 +192,7 @@ def _noted(method: FunctionType, file: Path) -> Callable[..., Any]:
         _RETURNED[file] = method
         return result
 
+    vars(call)["__signature__"] = inspect.signature(method, follow_wrapped=False)
     return call
 
 

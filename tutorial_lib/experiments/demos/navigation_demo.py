@@ -141,7 +141,7 @@ def run_demo(
     try:
         task = choose_task(Scene(plan), seed, PLACES, usual, say, **asked)
     except InputError as error:
-        if not robot:
+        if not robot or start or goal:
             raise
         raise InputError(f"{error}; or a smaller body in --robot {robot}") from error
     call = partial(guarded, own) if own else _call
