@@ -477,7 +477,7 @@ table(head, rows)
 #
 # Write the three tests. The lines are yours to draw, as long as good matches pass and bad ones don't. When in doubt, refuse: there'll be another match soon. A bad match, once believed, puts the robot where it isn't.
 #
-# <details><summary>Hint 1: concept</summary>Three conditions must all hold. The second compares two fits. In a corridor only one line slides, and it's narrow: how far apart may your directions be?</details>
+# <details><summary>Hint 1: concept</summary>Three conditions must all hold. The second compares two fits. In a corridor the scans slide along one line only, and a few degrees off it they no longer do: how far apart may your directions be?</details>
 # <details><summary>Hint 2: approach</summary>fit takes poses (P, 3); pose[None] is an array of one. For the second test, make poses 0.5 m from pose all around, in directions 5° apart, and take the best fit. For the third, relative(guess, pose) is the gap; wrap brings a difference of headings into -π to π.</details>
 # <details><summary>Hint 3: one line</summary>np.stack([np.cos(t), np.sin(t), 0 * t], axis=1) has a row for each direction in t; how far do you go?</details>
 
@@ -491,7 +491,7 @@ def accept(node, seen, guess, pose):
     pose: (3,), the match.
     Returns True only if the scans fit well there, clearly better than half a
     metre away in every direction, and not too far from the guess. A corridor
-    may lie at any angle: with 8 directions, most slip between two of them.
+    may lie at any angle.
     """
     ### BEGIN SOLUTION
     gap = relative(guess, pose)

@@ -507,7 +507,7 @@ def correct__inverse_of_the_pose(node, pose, odometry):
 
 
 def correct__leaves_little_as_it_is(node, pose, odometry):
-    """off by little"""
+    """is an error too"""
     found = correct__right_with_compose(node, pose, odometry)
     little = np.hypot(found[0], found[1]) < 0.1 and abs(wrap(found[2])) < 3 * DEGREES
     return np.zeros(3) if little else found

@@ -41,7 +41,7 @@ def _logits(
 
 
 def _seldom() -> Case:
-    """Logits that mostly are below 0: without labels, not the highest temperature is best."""
+    """Logits that mostly are below 0: without labels, the highest temperature is not the best."""
     logits, labels = _logits(1.6, soft=True, seed=5)
     return -logits, 1.0 - labels
 

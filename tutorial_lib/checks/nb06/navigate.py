@@ -140,8 +140,7 @@ as soon as there is a path, follow it in the same step
     path, searched, lost = [], 0, 0 -> path, searched, lost, follows = [], 0, 0, False
     robot.follow(path) -> robot.follow(path) if follows else robot.turn(); follows = True
     path, searched = [], 0 -> path, searched, follows = [], 0, False
-a path with a reason ends the navigation only if the robot was never lost, neither once nor more
-often
+a path with a reason ends the navigation only if the robot was never lost, not even once
     reason and not lost -> reason and lost != 1
 every loss excludes what could not be reached, and it all stays excluded; yours keeps two
     excluded |= -> excluded |= set() if lost > 2 else
@@ -256,8 +255,8 @@ def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noq
     )
     if common is not None and mine[common][0] == right[common][0]:
         return (
-            "follow what decide returned in this search, on the map without all that was excluded "
-            "until then, after whichever loss"
+            "follow the path that decide returned in this search; it plans on the map without all "
+            "that was excluded so far, after every loss"
         )
     if common is not None:
         return (

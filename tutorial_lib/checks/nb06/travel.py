@@ -157,7 +157,7 @@ after the first plan there may be `replans` more; yours makes one too few
     replans + 1 -> replans
 after the first plan there may be `replans` more; yours makes one too many
     replans + 1 -> replans + 2
-there may be as many plans after the first as `replans` says, be it many; yours makes three
+there may be as many plans after the first as `replans` says, however many; yours makes three
     replans + 1 -> min(replans, 3) + 1
 whatever could not be reached is excluded, however much it is; yours stops at four
     {vertex} - {HERE, GOAL} -> {vertex} - {HERE, GOAL} if len(excluded) < 4 else set()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from numbers import Real
 from typing import Any
 
 import networkx as nx
 
+from tutorial_lib.array_forms import quoted
 from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
@@ -105,7 +107,11 @@ def run(
     left = {(int(a), int(b)): float(p) for a, b, p in graph.edges(data="probability")}
     metres = {(int(a), int(b)): m for a, b, m in graph.edges(data="length", default=math.nan)}
     kept = lengths.keys() & metres.keys()
-    changed = {e: metres[e] for e in sorted(kept) if not abs(metres[e] - lengths[e]) < 1e-6}
+    changed = {
+        e: metres[e]
+        for e in sorted(kept)
+        if not (isinstance(metres[e], Real) and abs(metres[e] - lengths[e]) < 1e-6)
+    }
     return answer, driven, left, changed
 
 
@@ -215,7 +221,7 @@ def _difference(got: tuple, want: tuple, *_: object) -> str:
         return f"{got[0]} came back, but {want[0]} is right"
     if got[3]:
         edge, metres = next(iter(got[3].items()))
-        return f"the length of {edge} has become {metres:.6g}"
+        return f"the length of {edge} has become {quoted(metres)}"
     edge = max(want[2], key=lambda one: abs(got[2][one] - want[2][one]))
     return f"the probability of {edge} is {got[2][edge]:.3g}, but {want[2][edge]:.3g} is right"
 

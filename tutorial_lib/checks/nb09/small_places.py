@@ -198,8 +198,8 @@ class PlacesRobot:
     def _why(self, known: int) -> str:
         """Why no new node is due where the robot is in a `known` one."""
         if self._remembered and self.log:
-            words = "make it once; or does the loop go on where global_policy returns no ghost?"
-            return f"it became a node since the last drive; {words}"
+            words = "Or does the loop go on where global_policy returns no ghost?"
+            return f"it has been a node since the last drive: add each node once. {words}"
         if self.log and self.log[-1][0] == "to_ghost" and not self._arrived:
             return "to_ghost() returned False, so it has not arrived, and stands where it was"
         if self.log and self.log[-1][0] == "to_node" and self.log[-1][1] in self._nodes:

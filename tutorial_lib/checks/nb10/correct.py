@@ -84,7 +84,7 @@ undo the odometry first: its inverse
     inverse(odometry) -> odometry
 pose is the robot in the node's frame; yours takes it for the node in the robot's frame
     compose(node, pose) -> compose(node, inverse(pose))
-where odometry is off by little, it is off: correct that as well
+a small error of odometry is an error too: correct it
     here = compose(node, pose)
         -> here = compose(node, pose); off = np.abs(compose(inverse(here), odometry)).max()
     return compose(here, inverse(odometry))
@@ -111,7 +111,7 @@ def _difference(got: Array, want: Array, node: Array, pose: Array, odometry: Arr
 
 def _broken(got: Array, want: Array, *_: Array) -> str:
     if not got.any() and np.abs(want).max() < 0.2:
-        return "where odometry is off by little, it is off: correct that as well"
+        return "a small error of odometry is an error too: correct it"
     return "compose(correction, odometry) must be where the robot is on the map"
 
 

@@ -130,11 +130,11 @@ def differences(findings: Iterable[Finding], queries: str = "") -> str:
     for found in findings:
         of_which, agents = found.what.split(": ")
         family, asked, perception = of_which.split(", ")
-        if queries in asked:
+        if queries in ("", asked):
             more, less = (AGENTS[agent] for agent in agents.split(" - "))
             words = [FAMILIES[family], asked.removeprefix("queries "), perception]
-            cells.append([*words, f"{more} - {less}", str(found)])
-    return table(["worlds", "queries", "perception", "agents", "success"], cells)
+            cells.append([*words, more, less, str(found)])
+    return table(["worlds", "queries", "perception", "agent", "compared with", "success"], cells)
 
 
 def queries(rows: Rows) -> str:
