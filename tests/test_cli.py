@@ -132,7 +132,7 @@ OWN = """from tutorial_lib.topology import DijkstraPlanner
 
 class Whole:
     def __init__(self):
-        self.learn = self.start = None
+        self.learn = self.start = print
 
 class Planner(DijkstraPlanner):
     def plan(self, *arguments):

@@ -138,9 +138,9 @@ DOORS = {
     ),
     "Plan": lambda: call(
         interfaces.Plan,
-        vertices=several((1, 2), takes="empty", either="of numbers"),
+        vertices=several((1, 2), either="of numbers, empty"),
         goal=whole(0, least=0),
-        probabilities=floats((0.5, 1.0), ("P",), least=0, most=1),
+        probabilities=floats((0.5, 1.0, 1.0), (3,), least=0, most=1),
         refusal=text(""),
     ),
     "atomic_path": lambda: in_folder(enter(files.atomic_path)),

@@ -301,7 +301,7 @@ def test_a_navigation_is_of_as_many_robots_as_the_simulation(box):
     simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
     for count in (1, 3):
         other = Declares([3] * count, [np.inf] * count, [0] * count)
-        with pytest.raises(InputError, match=f"navigation: of {count} robots; .* has 2"):
+        with pytest.raises(InputError, match=f"robots: 2 in the simulation, {count} in the"):
             rollout(simulation, other, NavigationEnds(other, 6.0))
 
 

@@ -72,7 +72,7 @@ class MengAgent(MapAgent):
         """The planner's path.
 
         Raises:
-            InputError: when it is no path over the map to one of the goal's images.
+            InputError: when it is no path over vertices of the map to one of the goal's images.
         """
         instance("observation", observation, Observation)
         instance("goals", goals, Goals)

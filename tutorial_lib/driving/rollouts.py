@@ -15,7 +15,16 @@ from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Navigation, Observation, Policy, Robots
-from tutorial_lib.validation import alike, flag, flags, floats, instance, number, with_methods
+from tutorial_lib.validation import (
+    alike,
+    flag,
+    flags,
+    floats,
+    instance,
+    number,
+    whole,
+    with_methods,
+)
 from tutorial_lib.world.simulation import STEP, Simulation, checked_actions
 
 SETTLED = 1.0
@@ -188,14 +197,17 @@ class NavigationEnds:
         self._touched = np.zeros(())
 
     def check_fleet(self, count: int) -> None:
-        """Refuse a navigation of more or fewer robots than the simulation has.
+        """Refuse a navigation of more or fewer robots than the `count` that a simulation has.
 
         Raises:
-            InputError: when it is one.
+            InputError: when it is one, or `count` is no whole number from 0 on.
         """
+        whole("count", count, least=0)
         robots = np.size(self._navigation.arrived)
         if np.ndim(self._navigation.arrived) and robots != count:
-            raise InputError(f"navigation: of {robots} robots; the simulation has {count}")
+            raise InputError(
+                f"count of robots: {count} in the simulation, {robots} in the navigation"
+            )
 
     def after_step(
         self, simulation: Simulation, seconds: Array, before: Array

@@ -115,7 +115,10 @@ def class_of(members):
 @pytest.mark.parametrize(
     ("change", "words"), [("fewer", "is called"), ("more", "is called"), ("none", "is 0; make it")]
 )
-def test_a_method_that_cannot_be_called_as_it_will_be_is_refused_by_name(own, seam, change, words):
+def test_a_method_that_cannot_be_called_as_it_will_be_is_refused_by_name(
+    own, seam, change, words, monkeypatch
+):
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # files of one second and size
     for name, takes in MEMBERS[seam].items():
         if takes is not None:
             fewer = ", ".join(["*", *takes.split(", ")[1:], "view=0"])
