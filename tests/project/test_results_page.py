@@ -1,6 +1,7 @@
 """The results page and the README's blocks are what the command makes."""
 
 import re
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
@@ -33,17 +34,24 @@ HERE = Path(__file__).parents[2]
 PAGE = HERE / "tutorial_lib" / "results" / "README.md"
 README = HERE / "README.md"
 RESULTS = load_results()
-SECTIONS = [found for chapter in CHAPTERS for found in render_chapter(RESULTS, chapter)[1]]
+
+
+@cache
+def sections():
+    """All of the page."""
+    return [found for chapter in CHAPTERS for found in render_chapter(RESULTS, chapter)[1]]
 
 
 def test_the_page_is_what_the_command_makes():
     assert PAGE.read_bytes() == page_of(RESULTS).encode()
 
 
-@pytest.mark.parametrize("block", [block_of(RESULTS), measuring_block()], ids=["results", "help"])
+@pytest.mark.parametrize(
+    "block", [partial(block_of, RESULTS), measuring_block], ids=["results", "help"]
+)
 def test_a_block_of_the_readme_is_what_the_command_makes(block):
     text = README.read_text(encoding="utf-8")
-    assert with_block(text, block).encode() == README.read_bytes()
+    assert with_block(text, block()).encode() == README.read_bytes()
 
 
 def test_the_readme_tells_what_each_experiment_measures_and_takes():
@@ -68,7 +76,7 @@ def test_the_readme_has_a_short_table():
 
 
 def test_each_result_is_shown_once_below_its_command():
-    shown = [name for section in SECTIONS for name in section.sources]
+    shown = [name for section in sections() for name in section.sources]
     assert sorted(shown) == sorted(COMMANDS)
     page = PAGE.read_text(encoding="utf-8")
     assert [page.count(f"{command_of(name)}   #") for name in COMMANDS] == [1] * len(COMMANDS)
@@ -123,7 +131,7 @@ def test_a_difference_over_few_worlds_has_no_interval(name):
 
 def section_with(name):
     """The text of the section that shows a report."""
-    (section,) = [section for section in SECTIONS if name in section.sources]
+    (section,) = [section for section in sections() if name in section.sources]
     return section.text
 
 
