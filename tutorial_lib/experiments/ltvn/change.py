@@ -25,7 +25,6 @@ from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.driving.data.demonstrations import demonstrate_between
 from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Finding, Notes, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
@@ -36,6 +35,7 @@ from tutorial_lib.experiments.ltvn.lifelong import (
     MENG,
     NETWORK,
     ORACLE,
+    learned_meng,
     mending_meng,
     prepared_agent,
 )
@@ -44,7 +44,6 @@ from tutorial_lib.experiments.protocols.lifelong import image_poses, joined_outc
 from tutorial_lib.experiments.protocols.navigation import (
     K,
     Outcome,
-    experiences,
     goals_of,
     navigate,
 )
@@ -227,11 +226,7 @@ def learned(building: Building, name: str) -> LTVNAgent | MengAgent:
     """An agent that has learned a building."""
     if name in (MENDING, FROZEN):
         return prepared_agent(building, name, NETWORK)
-    if name == MENDING_MENG:
-        return mending_meng(building)
-    agent = agents.meng()
-    agent.learn(list(experiences(building)))
-    return agent
+    return mending_meng(building) if name == MENDING_MENG else learned_meng(building)
 
 
 def _queries(

@@ -17,6 +17,7 @@ import numpy as np
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.mending import MendingMengAgent
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
@@ -54,7 +55,7 @@ NETWORK, ORACLE = PERCEPTIONS = ("network", "oracle")
 WORLDS = tuple(range(20_000, 20_008))
 """Three of them are loop corridors, where places look alike."""
 MENDING, FROZEN = "ltvn", "frozen"
-MENDING_MENG, MENG = "meng_mending", "meng"
+MENDING_MENG, FROZEN_MENG, MENG = "meng_mending", "meng_frozen", "meng"
 VARIANTS: dict[str, dict[str, Any]] = {
     MENDING: {},
     FROZEN: {"maintenance": None},
@@ -96,7 +97,7 @@ class Settings:
 
 
 ABLATED = Settings(tuple((name, NETWORK, 100) for name in VARIANTS))
-OF_MENG = Settings(tuple((name, NETWORK, 500) for name in (MENDING_MENG, MENG)))
+OF_MENG = Settings(tuple((name, NETWORK, 500) for name in (MENDING_MENG, FROZEN_MENG)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,18 +148,14 @@ def lived(item: tuple[int, str, str, int], seed: int, settings: Settings) -> Liv
         agent = agents.ving()
         agent.learn(deep_experiences(building))
         return mended(building, trials, agent, settings)
-    if name == MENDING_MENG:
-        return _meng_mending(building, trials, settings)
+    if name in (MENDING_MENG, FROZEN_MENG):
+        return _in_fleets(building, trials, settings, mends=name == MENDING_MENG)
     if name == "oracle":
         goals = trials.goal_poses
         outcome = navigate(building, trials, lambda sim: OracleNavigation(sim, whole.paths, goals))
         return Lived(outcome.success.astype(float))
     limits = CHOSEN[TOUR]
-    made = (
-        agents.sptm(s_shortcut=limits.s_shortcut)
-        if name == "sptm"
-        else agents.meng(settings=MapSettings(p_edge=limits.p_edge))
-    )
+    made = agents.sptm(s_shortcut=limits.s_shortcut) if name == "sptm" else _meng()
     result = attempt(building, trials, made)
     blocks = len(trials) // settings.block
     return Lived(
@@ -183,13 +180,17 @@ def drawn(world: int, seed: int, queries: int) -> tuple[Building, Building, Tria
     return whole, part_of(whole, TOUR, seed), trials
 
 
-def _meng_mending(building: Building, trials: Trials, settings: Settings) -> Lived:
-    """Meng's map, kept up to date in the same fleets."""
-    agent = mending_meng(building)
+def _in_fleets(building: Building, trials: Trials, settings: Settings, *, mends: bool) -> Lived:
+    """Meng's map in fleets as LTVN's, kept up to date or not.
+
+    A robot's odometry drifts by its number in the fleet, so that both have fleets.
+    """
+    agent = mending_meng(building) if mends else learned_meng(building)
     success, sizes = [], []
     for first in range(0, len(trials), settings.fleet):
         some = trials.subset(np.arange(first, min(first + settings.fleet, len(trials))))
-        agent.upkeep.begin(first)
+        if isinstance(agent, MendingMengAgent):
+            agent.upkeep.begin(first)
         result = measured(building, some, agent)
         success.append(result.outcome.success.astype(float))
         if (first + len(some)) % settings.block == 0:
@@ -199,11 +200,21 @@ def _meng_mending(building: Building, trials: Trials, settings: Settings) -> Liv
 
 def mending_meng(building: Building) -> MendingMengAgent:
     """Meng's agent with upkeep that has learned a building."""
-    parts = ("predictor", "controller", "reachability", "settings")
-    plain = agents.meng(settings=MapSettings(p_edge=CHOSEN[TOUR].p_edge))
+    parts, plain = ("predictor", "controller", "reachability", "settings"), _meng()
     agent = MendingMengAgent(**{part: getattr(plain, part) for part in parts})
     agent.learn(list(experiences(building)))
     return agent
+
+
+def learned_meng(building: Building) -> MengAgent:
+    """Meng's agent that has learned a building; its map stays as it is."""
+    agent = _meng()
+    agent.learn(list(experiences(building)))
+    return agent
+
+
+def _meng() -> MengAgent:
+    return agents.meng(settings=MapSettings(p_edge=CHOSEN[TOUR].p_edge))
 
 
 def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
@@ -271,7 +282,7 @@ def _differences(
 ) -> list[Finding]:
     """Paired: of LTVN's agent from the others, and of Meng's mended map from Meng's."""
     pairs = [((MENDING, other[1]), other) for other in found if other[0] != MENDING]
-    pairs.append(((MENDING_MENG, NETWORK), (MENG, NETWORK)))
+    pairs.append(((MENDING_MENG, NETWORK), (FROZEN_MENG, NETWORK)))
     differences = []
     for family, worlds in families(options.worlds).items():
         for one, other in pairs:

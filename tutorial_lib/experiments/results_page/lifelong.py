@@ -27,6 +27,7 @@ AGENTS = {
     "sptm": "SPTM",
     "meng": "Meng",
     "meng_mending": "Meng's map, kept up to date",
+    "meng_frozen": "Meng's map as it was built",
     "oracle": "oracle",
     "lenient": "with the paper's test of success",
     "no_trust": "no arrival is trusted",
