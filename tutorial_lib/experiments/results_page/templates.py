@@ -26,24 +26,17 @@ from tutorial_lib.experiments.results_page.markdown import (
     percent,
     percents,
     points,
-    slashed,
     span,
 )
 from tutorial_lib.experiments.results_page.section import Section, section_of
 from tutorial_lib.experiments.results_page.sources import MAPS, Results, goal_words
-from tutorial_lib.experiments.results_page.tables import (
-    column,
-    listing,
-    matching,
-    one,
-    total,
-)
+from tutorial_lib.experiments.results_page.tables import column, listing, matching, one, total
 from tutorial_lib.world.worlds import TRAINING_SEEDS
 
 TEMPLATES = FOLDER / "page"
 FUNCTIONS = (
     *(brief, capital, column, count, goal_words, link, listed, listing, matching, number),
-    *(one, percent, percents, points, slashed, span, total),
+    *(one, percent, percents, points, span, total),
     *(math.ceil, math.degrees, math.floor, max, min, sum),
 )
 """What every template may call, besides `mean` and what it asks of the reports."""
