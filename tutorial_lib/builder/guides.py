@@ -46,12 +46,7 @@ def write_guides(project: Path) -> list[Path]:
 
 
 def students_page(sources: list[Path], introduction: str) -> str:
-    """The map of the course and the glossary.
-
-    Args:
-        sources: ``solutions/NN_name.py``, in their order.
-        introduction: what stands above them, written by hand.
-    """
+    """The map of the course and the glossary, below an introduction written by hand."""
     rows = []
     for source in sources:
         link, minutes = f"[{title_of(source)}]({source.stem}.ipynb)", minutes_of(source)
@@ -65,12 +60,9 @@ def students_page(sources: list[Path], introduction: str) -> str:
 
 
 def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -> str:
-    """Goals, minutes, open questions and common mistakes of every notebook.
+    """Goals, minutes, open questions and common mistakes of every notebook, likewise.
 
-    Args:
-        sources: ``solutions/NN_name.py``, in their order.
-        wrong_answers: the folder with the answers that the checks reject.
-        introduction: what stands above them, written by hand.
+    The folder `wrong_answers` has the answers that the checks reject.
     """
     parts = [introduction.rstrip()]
     for source in sources:

@@ -57,11 +57,7 @@ def read_glossary(folder: Path) -> dict[str, Entry]:
 
 
 def complete(notebook: NotebookNode, source: Path) -> None:
-    """Add the links to the neighbours, explain the terms, and fold the hidden cells.
-
-    Args:
-        notebook: is changed.
-        source: ``solutions/NN_name.py``.
+    """Add to a notebook the links to its neighbours, explain its terms, and fold hidden cells.
 
     Raises:
         InputError: naming a term that the glossary does not have.

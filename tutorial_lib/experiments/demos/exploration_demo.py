@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,12 +24,7 @@ from tutorial_lib.experiments.demos.outcome import FILM, STRIP, check_folder, ro
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, demo_files
 from tutorial_lib.experiments.demos.task import Say, silent
 from tutorial_lib.experiments.protocols.ghost_moments import ghost_moment
-from tutorial_lib.exploration.episodes import (
-    DIFFICULTIES,
-    SUCCESS,
-    Episodes,
-    draw_episodes,
-)
+from tutorial_lib.exploration.episodes import DIFFICULTIES, SUCCESS, Episodes, draw_episodes
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.task import STEPS, ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
@@ -274,16 +268,13 @@ def draw_episode(name: str, scene: Scene, seed: int) -> Episodes:
     Raises:
         InputError: when not even an easy one fits.
     """
-    *harder, easiest = reversed(DIFFICULTIES)
-    for difficulty in harder:
-        with suppress(InputError):
+    words = ""
+    for difficulty, (least, _) in reversed(DIFFICULTIES.items()):
+        try:
             return draw_episodes(name, scene, {difficulty: 1}, np.random.default_rng(seed))
-    try:
-        return draw_episodes(name, scene, {easiest: 1}, np.random.default_rng(seed))
-    except InputError as error:
-        least = DIFFICULTIES[easiest][0]
-        words = f"demo: {name} has no two places {least:g} m apart ({error}); give a larger map"
-        raise InputError(words) from error
+        except InputError as error:
+            words = f"{name} has no two places {least:g} m apart ({error}); give a larger map"
+    raise InputError(f"demo: {words}")
 
 
 def episode_between(

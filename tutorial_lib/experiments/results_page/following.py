@@ -7,13 +7,7 @@ import math
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.moves import ASIDE, TURNED
 from tutorial_lib.experiments.results_page.markdown import Row, counted, interval
-from tutorial_lib.experiments.results_page.tables import (
-    called,
-    listing,
-    matching,
-    share,
-    table_of,
-)
+from tutorial_lib.experiments.results_page.tables import called, listing, matching, share, table_of
 from tutorial_lib.experiments.robustness.disturbances import SOON
 
 CONTEXTS = {"k0": "k = 0", "k2": "k = 2", "k5": "k = 5", "laser": "laser, k = 2"}

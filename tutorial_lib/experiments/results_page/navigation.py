@@ -106,12 +106,7 @@ def failures(rows: Rows) -> str:
 
 
 def goal_images(rows: Rows, others: Rows) -> str:
-    """Success by what shows the goal and by p_goal, and what is refused.
-
-    Args:
-        rows: of trials in buildings whose drives were all learned.
-        others: of the same after a tour.
-    """
+    """Success by what shows the goal and by p_goal; `others` are of the same after a tour."""
 
     def composed(row: Row) -> str:
         return counted(row["success_composed"], row["trials_composed"])
@@ -128,12 +123,7 @@ def goal_images(rows: Rows, others: Rows) -> str:
 
 
 def composed_trials(results: Results, names: Mapping[str, str]) -> str:
-    """Success in composed trials for what was learned, over all worlds of each report.
-
-    Args:
-        results: the reports.
-        names: of the reports, by what is written in the first column.
-    """
+    """Success in composed trials, over all worlds of the reports that have `names` here."""
     lines = []
     for label, name in names.items():
         rows = results.rows(name, method="meng")

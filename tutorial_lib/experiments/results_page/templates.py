@@ -51,12 +51,7 @@ ENVIRONMENT.globals.update(GIVEN)
 
 
 def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
-    """What a template says of the reports.
-
-    Args:
-        results: the reports.
-        name: of the template, without its endings.
-        more: what it may use besides.
+    """What a template, named without its endings, says of the reports; it may use `more`.
 
     Raises:
         InputError: naming the template and the line, if it is not valid.
@@ -75,12 +70,9 @@ def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
 def render_chapter(
     results: Results, chapter: ModuleType, only: str = ""
 ) -> tuple[str, list[Section]]:
-    """A chapter, and its sections.
+    """A chapter, and its sections: all, or `only` that of this title.
 
-    Args:
-        results: the reports.
-        chapter: the module of its tables, which has the name of its template.
-        only: the title of a section, if no other is to be made.
+    The module of its tables has the name of its template.
     """
     found: list[Section] = []
 
