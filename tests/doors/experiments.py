@@ -171,7 +171,7 @@ WITHOUT = dict.fromkeys(
     (
         *("Building", "CalledRobot", "Guide", "Office", "Recorder", "Trials", "watch"),
         *("draw_ambiguous_trials", "draw_return", "explored"),
-        *("farthest", "learned_from", "make_office", "navigate_once"),
+        *("learned_from", "make_office", "navigate_once"),
         *("deep_experiences", "image_poses", "run_fleet", "run_queries"),
         *("MapScore", "TamperedMap", "score_map"),
         *("Settings", "draw_lives", "live"),

@@ -79,8 +79,8 @@ MUTATIONS = [
     (
         "a stub stands where functions of the top level have it",
         "builder/notebooks.py",
-        "line[: len(line) - len(line.lstrip())] + STUB",
-        '"    " + STUB',
+        'rf"\\1{STUB}"',
+        'rf"    {STUB}"',
         "builder/test_notebooks.py",
     ),
     (
@@ -177,7 +177,7 @@ MUTATIONS = [
     (
         "a demo that misses its goal ends well",
         "commands/demo.py",
-        "return 0 if reached else MISSED",
+        "return 0 if outcome.reached else MISSED",
         "return 0",
         "test_cli.py -k missed",
     ),

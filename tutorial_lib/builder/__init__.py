@@ -2,13 +2,7 @@
 
 from tutorial_lib.builder.contact_sheet import contact_sheet, write_contact_sheet
 from tutorial_lib.builder.guides import write_guides
-from tutorial_lib.builder.mutants import (
-    Survivor,
-    exercises,
-    harmless,
-    mutants,
-    survivors,
-)
+from tutorial_lib.builder.mutants import Survivor, exercises, harmless, mutants, survivors
 from tutorial_lib.builder.notebooks import (
     LARGEST,
     STUB,

@@ -5,12 +5,13 @@ import sys
 from pathlib import Path
 
 from tutorial_lib.builder.mutants import survivors
+from tutorial_lib.builder.page import sources_in
 from tutorial_lib.checks.framework import guard
+from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.errors import InputError
 
 _PATIENCE = 3.0
 """Seconds of a check that meets a mutant which never ends."""
-_PROJECT = Path(__file__).resolve().parents[2]
 
 
 def main(arguments: list[str]) -> int:
@@ -20,7 +21,7 @@ def main(arguments: list[str]) -> int:
     command = commands.add_parser("mutants", help="mutate every solution and try its check")
     command.add_argument("names", nargs="*", help="of notebooks, as in 01_world_and_car")
     names = parser.parse_args(arguments).names
-    sources = [source for source in _sources() if not names or source.stem in names]
+    sources = [one for one in sources_in(PROJECT / "solutions") if not names or one.stem in names]
     guard.SECONDS = _PATIENCE
     try:
         unexplained = sum(_report(source) for source in sources)
@@ -31,14 +32,10 @@ def main(arguments: list[str]) -> int:
     return 1 if unexplained else 0
 
 
-def _sources() -> list[Path]:
-    return sorted((_PROJECT / "solutions").glob("[0-9][0-9]_*.py"))
-
-
 def _report(source: Path) -> int:
     """Print what became of the mutants of one notebook; return how many pass unexplained."""
     unexplained = 0
-    known = _PROJECT / "tests" / "harmless_mutants" / f"{source.stem}.json"
+    known = PROJECT / "tests" / "harmless_mutants" / f"{source.stem}.json"
     for exercise, tried, passed in survivors(source, known):
         left = [survivor for survivor in passed if not survivor.reason]
         unexplained += len(left)

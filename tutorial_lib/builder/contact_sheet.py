@@ -36,11 +36,7 @@ def write_contact_sheet(project: Path) -> Path:
 
 
 def contact_sheet(sources: list[Path]) -> Picture:
-    """The first picture of each notebook, below its title.
-
-    Args:
-        sources: ``solutions/NN_name.py``, beside which the solved notebooks are.
-    """
+    """The first picture of each notebook, which is beside its source, below its title."""
     tiles = [(first_picture(source.with_suffix(".ipynb")), title_of(source)) for source in sources]
     rows = [tiles[first : first + _COLUMNS] for first in range(0, len(tiles), _COLUMNS)]
     return stacked(

@@ -8,11 +8,12 @@ teacher reads first, ``solutions/README.md``, is written by hand.
 import ast
 import html
 import re
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
 from tutorial_lib.builder.notebooks import cells_of
-from tutorial_lib.builder.page import Entry, read_glossary, title_of
+from tutorial_lib.builder.page import Entry, read_glossary, sources_in, title_of
 from tutorial_lib.builder.standard import minutes_of
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
@@ -31,29 +32,21 @@ def write_guides(project: Path) -> list[Path]:
     Returns:
         The files that were written.
     """
-    sources = sorted((project / "solutions").glob("[0-9][0-9]_*.py"))
-    written = []
-    wrong_answers = project / "tests" / "wrong_answers"
-    for name, page in (
-        ("notebooks/README.md", lambda top: students_page(sources, top)),
-        ("solutions/REFERENCE.md", lambda top: teachers_page(sources, wrong_answers, top)),
-    ):
-        file = project / name
+    sources, wrong_answers = sources_in(project / "solutions"), project / "tests" / "wrong_answers"
+    pages = {
+        project / "notebooks" / "README.md": partial(students_page, sources),
+        project / "solutions" / "REFERENCE.md": partial(teachers_page, sources, wrong_answers),
+    }
+    for file, page in pages.items():
         top, mark, _ = file.read_text(encoding="utf-8").partition(MADE)
         if not mark:
             raise InputError(f"{file}: no line {MADE!r}; what stands below it is made by the build")
         write_text(file, page(f"{top}{MADE}\n"))
-        written.append(file)
-    return written
+    return list(pages)
 
 
 def students_page(sources: list[Path], introduction: str) -> str:
-    """The map of the course and the glossary.
-
-    Args:
-        sources: ``solutions/NN_name.py``, in their order.
-        introduction: what stands above them, written by hand.
-    """
+    """The map of the course and the glossary, below an introduction written by hand."""
     rows = []
     for source in sources:
         link, minutes = f"[{title_of(source)}]({source.stem}.ipynb)", minutes_of(source)
@@ -67,12 +60,9 @@ def students_page(sources: list[Path], introduction: str) -> str:
 
 
 def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -> str:
-    """Goals, minutes, open questions and common mistakes of every notebook.
+    """Goals, minutes, open questions and common mistakes of every notebook, likewise.
 
-    Args:
-        sources: ``solutions/NN_name.py``, in their order.
-        wrong_answers: the folder with the answers that the checks reject.
-        introduction: what stands above them, written by hand.
+    The folder `wrong_answers` has the answers that the checks reject.
     """
     parts = [introduction.rstrip()]
     for source in sources:
@@ -84,18 +74,13 @@ def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -
             parts.append(f"After it a student can\n\n{goals[1].rstrip()}")
         if _EXERCISE.search(text):
             parts.append(_exercises(text))
-        questions = _questions(text)
-        if questions:
-            parts.append("### Questions and what to expect\n\n" + "\n".join(questions))
-        predictions = _predictions(source)
-        if predictions:
-            parts.append("### Predictions\n\n" + "\n".join(predictions))
-        known = _known_mistakes(text, source)
-        if known:
-            parts.append("### Mistakes that the checks know\n\n" + "\n".join(known))
-        mistakes = _mistakes(wrong_answers / source.name)
-        if mistakes:
-            parts.append("### Common mistakes and what the check says\n\n" + "\n".join(mistakes))
+        found = {
+            "Questions and what to expect": _questions(text),
+            "Predictions": _predictions(source),
+            "Mistakes that the checks know": _known_mistakes(text, source),
+            "Common mistakes and what the check says": _mistakes(wrong_answers / source.name),
+        }
+        parts += [f"### {title}\n\n" + "\n".join(lines) for title, lines in found.items() if lines]
     return "\n\n".join(parts) + "\n"
 
 

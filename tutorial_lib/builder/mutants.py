@@ -57,22 +57,18 @@ class Survivor:
 
 
 def exercises(source: Path) -> list[Exercise]:
-    """The exercises of a source, in its order.
-
-    Args:
-        source: ``solutions/NN_name.py``.
-    """
-    cells = cells_of(source.read_text(encoding="utf-8")).cells
-    code = [cell.source for cell in cells if cell.cell_type == "code"]
-    named = [cell.metadata.get("exercise") for cell in cells if cell.cell_type == "code"]
+    """The exercises of a source, ``solutions/NN_name.py``, in its order."""
     checks = import_module(f"tutorial_lib.checks.nb{source.stem[:2]}")
-    found = []
-    for i, (name, text) in enumerate(zip(named, code, strict=True)):
-        if name:
-            rows = [row.strip() for row in text.splitlines()]
+    found, earlier = [], list[str]()
+    for cell in cells_of(source.read_text(encoding="utf-8")).cells:
+        if cell.cell_type != "code":
+            continue
+        if name := cell.metadata.get("exercise"):
+            rows = [row.strip() for row in cell.source.splitlines()]
             lines = range(rows.index(BEGIN) + 2, rows.index(END) + 1)
-            check = getattr(checks, f"check_{name}")
-            found.append(Exercise(name, text, lines, _needed(text, code[:i]), check))
+            given, check = _needed(cell.source, earlier), getattr(checks, f"check_{name}")
+            found.append(Exercise(name, cell.source, lines, given, check))
+        earlier.append(cell.source)
     return found
 
 
@@ -89,12 +85,9 @@ def mutants(exercise: Exercise) -> Iterator[tuple[str, Any]]:
 def survivors(source: Path, known: Path) -> Iterator[tuple[Exercise, int, list[Survivor]]]:
     """For each exercise of a source, the number of mutants and those that pass the check.
 
-    Args:
-        source: ``solutions/NN_name.py``.
-        known: the file with the harmless ones.
-
     Raises:
-        InputError: when `known` names a mutant that does not exist or is rejected.
+        InputError: when `known`, the file with the harmless ones, names a mutant that does not
+            exist or is rejected.
     """
     reasons = harmless(known)
     for exercise in exercises(source):

@@ -141,9 +141,8 @@ def _statements(statement: ast.stmt) -> list[ast.stmt]:
     """Other statements in place of one."""
     new: list[ast.stmt] = []
     if isinstance(statement, ast.If):
-        new += [
-            ast.If(ast.Constant(known), statement.body, statement.orelse) for known in (True, False)
-        ]
+        body, orelse = statement.body, statement.orelse
+        new += [ast.If(ast.Constant(known), body, orelse) for known in (True, False)]
     if isinstance(statement, ast.AugAssign):
         target = ast.Name(statement.target.id) if isinstance(statement.target, ast.Name) else None
         new += [ast.Assign([target or statement.target], statement.value, lineno=statement.lineno)]
@@ -182,15 +181,11 @@ def _expressions(node: ast.AST) -> list[ast.AST]:
 
 
 def _comparisons(node: ast.Compare) -> list[ast.AST]:
-    new: list[ast.AST] = []
-    for i, operator in enumerate(node.ops):
-        for other in _COMPARE[type(operator)]:
-            new.append(
-                ast.Compare(
-                    node.left, [*node.ops[:i], other(), *node.ops[i + 1 :]], node.comparators
-                )
-            )
-    return new
+    return [
+        ast.Compare(node.left, [*node.ops[:i], other(), *node.ops[i + 1 :]], node.comparators)
+        for i, operator in enumerate(node.ops)
+        for other in _COMPARE[type(operator)]
+    ]
 
 
 def _arithmetic(node: ast.BinOp) -> list[ast.AST]:
@@ -217,12 +212,8 @@ def _calls(node: ast.Call) -> list[ast.AST]:
     new: list[ast.AST] = []
     name = getattr(node.func, "id", getattr(node.func, "attr", ""))
     if name in _RELATED:
-        other = _RELATED[name]
-        renamed = (
-            ast.Attribute(node.func.value, other)
-            if isinstance(node.func, ast.Attribute)
-            else ast.Name(other)
-        )
+        value, other = getattr(node.func, "value", None), _RELATED[name]
+        renamed = ast.Attribute(value, other) if value is not None else ast.Name(other)
         new.append(ast.Call(renamed, node.args, node.keywords))
     for i in range(0 if name in _SYMMETRIC else len(node.args) - 1):
         swapped = [*node.args[:i], node.args[i + 1], node.args[i], *node.args[i + 2 :]]

@@ -31,6 +31,8 @@ from tutorial_lib.viz.notebook.display import STATIC
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = 'raise NotImplementedError("your turn")'
+_SOLUTION = re.compile(rf"^([ \t]*){BEGIN}[ \t]*\n(.*?)^[ \t]*{END}[ \t]*$", re.DOTALL | re.M)
+"""A marked solution: how far it is indented, and its lines."""
 WRONG_ANSWERS = 3
 """Needed for each exercise."""
 LARGEST = 1_000_000
@@ -127,27 +129,12 @@ def for_students(solved: NotebookNode) -> NotebookNode:
 
 def stubbed(code: str) -> str:
     """Code whose marked solutions are replaced by a stub."""
-    lines, hidden = [], False
-    for line in code.splitlines():
-        if line.strip() == BEGIN:
-            hidden = True
-            lines.append(line[: len(line) - len(line.lstrip())] + STUB)
-        elif line.strip() == END:
-            hidden = False
-        elif not hidden:
-            lines.append(line)
-    return "\n".join(lines)
+    return _SOLUTION.sub(rf"\1{STUB}", code)
 
 
 def solution_of(code: str) -> str:
     """The lines between the markers, as code of its own."""
-    lines, inside = [], False
-    for line in code.splitlines():
-        if line.strip() in (BEGIN, END):
-            inside = line.strip() == BEGIN
-        elif inside:
-            lines.append(line)
-    return dedent("\n".join(lines))
+    return dedent("".join(solution for _, solution in _SOLUTION.findall(code)))
 
 
 def unmarked(code: str) -> str:
@@ -206,16 +193,10 @@ def _finish(notebook: NotebookNode, stem: str) -> None:
     """Compact imports, and metadata and cell ids that are the same at every build."""
     for cell in notebook.cells:
         cell.source = compact_imports(cell.source)
-    notebook.metadata = nbformat.from_dict(
-        {
-            "kernelspec": {
-                "display_name": "Python 3 (ipykernel)",  # as JupyterLab would write it
-                "language": "python",
-                "name": "python3",
-            },
-            "language_info": {"name": "python"},
-        }
-    )
+    kernel = "Python 3 (ipykernel)"  # as JupyterLab would write it
+    kernelspec = {"display_name": kernel, "language": "python", "name": "python3"}
+    language = {"name": "python"}
+    notebook.metadata = nbformat.from_dict({"kernelspec": kernelspec, "language_info": language})
     seen: dict[str, int] = {}
     for cell in notebook.cells:
         digest = hashlib.sha256(f"{stem}\n{cell.source}".encode()).hexdigest()[:12]

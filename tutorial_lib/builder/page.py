@@ -38,6 +38,11 @@ class Entry:
         return re.sub(r"[^a-z0-9]+", "-", self.term.lower()).strip("-")
 
 
+def sources_in(folder: Path) -> list[Path]:
+    """The sources of the notebooks, ``NN_name.py``, in their order."""
+    return sorted(folder.glob("[0-9][0-9]_*.py"))
+
+
 def read_glossary(folder: Path) -> dict[str, Entry]:
     """The entries by term, in the order of the alphabet; none without the file."""
     path = folder / GLOSSARY
@@ -52,11 +57,7 @@ def read_glossary(folder: Path) -> dict[str, Entry]:
 
 
 def complete(notebook: NotebookNode, source: Path) -> None:
-    """Add the links to the neighbours, explain the terms, and fold the hidden cells.
-
-    Args:
-        notebook: is changed.
-        source: ``solutions/NN_name.py``.
+    """Add to a notebook the links to its neighbours, explain its terms, and fold hidden cells.
 
     Raises:
         InputError: naming a term that the glossary does not have.
@@ -84,7 +85,7 @@ def lead_to_notebooks(solved: NotebookNode) -> None:
 
 def navigation(source: Path) -> str:
     """A line of links to the notebook before, the course's page, and the notebook after."""
-    sources = sorted(source.parent.glob("[0-9][0-9]_*.py"))
+    sources = sources_in(source.parent)
     place = sources.index(source)
     links = [f"[map of the course and glossary]({MAP})"]
     if place > 0:

@@ -50,11 +50,7 @@ class Slide:
 
 
 def write_slides(source: Path, folder: Path) -> Path:
-    """Write the slides of a notebook, which is executed for them.
-
-    Args:
-        source: ``solutions/NN_name.py``, beside which the solved notebook is.
-        folder: for ``NN_name.html``.
+    """Write the slides ``NN_name.html`` of the notebook beside a source, which is run for them.
 
     Raises:
         InputError: when a cell raises.
@@ -72,12 +68,7 @@ def write_slides(source: Path, folder: Path) -> Path:
 
 
 def slides_of(solved: NotebookNode, asking: NotebookNode) -> list[Slide]:
-    """The slides of a notebook.
-
-    Args:
-        solved: with answers.
-        asking: the same, executed while nothing is answered.
-    """
+    """The slides of a solved notebook; `asking` is the same, executed while nothing is answered."""
     first, *others = solved.cells[0].source.split("\n\n")
     opening = [text for text in others if not text.startswith("[")]
     slides = [Slide(first.lstrip("# "), tuple(map(_plain, opening)))]

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
@@ -20,6 +19,10 @@ from tutorial_lib.errors import InputError
 
 if TYPE_CHECKING:
     from tutorial_lib.experiments.demos.ends import End
+    from tutorial_lib.experiments.demos.exploration_demo import Explored
+    from tutorial_lib.experiments.demos.lifelong_demo import Life
+    from tutorial_lib.experiments.demos.outcome import Outcome
+    from tutorial_lib.experiments.demos.visits_demo import LifeOnFilm
     from tutorial_lib.world.floorplan import FloorPlan
 
 
@@ -32,6 +35,12 @@ LIFELONG_REFUSES = (
     *("oracle", "learn", "agent", "robot", "explore"),
 )
 """Options that do not count beside `--lifelong` and `--life`, whose building is always the same."""
+REFUSES = {
+    "life": (*LIFELONG_REFUSES, "lifelong"),
+    "lifelong": LIFELONG_REFUSES,
+    "explore": ("oracle", "learn", "agent", "robot"),
+}
+"""Options that do not count, by the mode of the demo."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
 QUIET = 4.0
 """Seconds after which a word is said of work that still goes on."""
@@ -90,119 +99,96 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
-    if options.life:
-        return 0 if _visit(options) else MISSED
-    if options.lifelong:
-        return 0 if _live(options) else MISSED
-    if options.region is not None and options.map is None:
-        raise InputError("--region: is that of a map's file; give --map, or leave it out")
-    if options.map is not None and options.family is not None:
-        raise InputError("--family: the demo cannot use it beside --map; leave one of them out")
-    reached = _explore(options) if options.explore else _navigate(options)
-    return 0 if reached else MISSED
-
-
-def _refuse(options: argparse.Namespace, mode: str, names: Sequence[str]) -> None:
-    """Refuse options that do not count with `--explore` or `--lifelong`."""
-    for name in names:
+    mode = next((mode for mode in REFUSES if getattr(options, mode)), "")
+    if mode not in ("life", "lifelong"):
+        if options.region is not None and options.map is None:
+            raise InputError("--region: is that of a map's file; give --map, or leave it out")
+        if options.map is not None and options.family is not None:
+            words = "the demo cannot use it beside --map; leave one of them out"
+            raise InputError(f"--family: {words}")
+    for name in REFUSES.get(mode, ()):
         given = getattr(options, name)
         if given is not None and given is not False:  # a seed of 0 is given, too
             raise InputError(f"--{name}: the demo cannot use it with --{mode}; leave it out")
-
-
-def _live(options: argparse.Namespace) -> bool:
-    """A hundred queries on one map; whether the goal was reached in all that are filmed."""
-    _refuse(options, "lifelong", LIFELONG_REFUSES)
+    demos = {"life": _visit, "lifelong": _live, "explore": _explore, "": _navigate}
     with Narrator() as say:
         say("importing the library")
-        from tutorial_lib.experiments.demos.lifelong_demo import run_lifelong_demo
-
-        life = run_lifelong_demo(Path.cwd(), say=say)
-    print(f"{life.plan}, from {life.rooms[0]} to {life.rooms[1]}, three times:")
-    for line in life.story:
-        print(f"  {line}")
-    print(f"Look at {life.film} and {life.strip}; the figures are in demo.json.")
-    return life.reached
+        outcome, lines = demos[mode](options, say)
+    print(*lines, sep="\n")
+    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
+    return 0 if outcome.reached else MISSED
 
 
-def _visit(options: argparse.Namespace) -> bool:
-    """Ten visits to one building; whether the goal was reached in all that are filmed."""
-    _refuse(options, "life", (*LIFELONG_REFUSES, "lifelong"))
-    with Narrator() as say:
-        say("importing the library")
-        from tutorial_lib.experiments.demos.visits_demo import run_visits_demo
+def _live(_: argparse.Namespace, say: Narrator) -> tuple[Life, list[str]]:
+    """A hundred queries on one map: how they went, and that in words."""
+    from tutorial_lib.experiments.demos.lifelong_demo import run_lifelong_demo
 
-        life = run_visits_demo(Path.cwd(), say=say)
-    print(f"{life.plan}, ten goals one after another:")
-    for visit in life.visits:
-        print(
-            f"  visit {visit.number}: {visit.ending}, after {visit.steps} actions (SPL "
-            f"{visit.spl:.2f}); {visit.nodes} nodes; odometry is off by {visit.drift:.0f} degrees, "
-            f"the robot by {visit.off:.0f}"
-        )
-    print(f"Look at {life.film} and {life.strip}; the figures are in demo.json.")
-    return life.reached
+    life = run_lifelong_demo(Path.cwd(), say=say)
+    title = f"{life.plan}, from {life.rooms[0]} to {life.rooms[1]}, three times:"
+    return life, [title, *(f"  {line}" for line in life.story)]
 
 
-def _explore(options: argparse.Namespace) -> bool:
-    """Explore; whether the goal was found."""
-    _refuse(options, "explore", ("oracle", "learn", "agent", "robot"))
+def _visit(_: argparse.Namespace, say: Narrator) -> tuple[LifeOnFilm, list[str]]:
+    """Ten visits to one building, likewise."""
+    from tutorial_lib.experiments.demos.visits_demo import run_visits_demo
+
+    life = run_visits_demo(Path.cwd(), say=say)
+    return life, [f"{life.plan}, ten goals one after another:"] + [
+        f"  visit {visit.number}: {visit.ending}, after {visit.steps} actions (SPL "
+        f"{visit.spl:.2f}); {visit.nodes} nodes; odometry is off by {visit.drift:.0f} degrees, "
+        f"the robot by {visit.off:.0f}"
+        for visit in life.visits
+    ]
+
+
+def _explore(options: argparse.Namespace, say: Narrator) -> tuple[Explored, list[str]]:
+    """Explore, likewise."""
+    from tutorial_lib.experiments.demos.exploration_demo import run_exploration_demo
+    from tutorial_lib.world.worlds import TRAINING_SEEDS
+
     seed = EXPLORED if options.seed is None else options.seed
-    with Narrator() as say:
-        say("importing the library")
-        from tutorial_lib.experiments.demos.exploration_demo import run_exploration_demo
-        from tutorial_lib.world.worlds import TRAINING_SEEDS
-
-        # What is wrong with the seed is said of the seed that was given.
-        number = seed + (TRAINING_SEEDS.stop if seed >= 0 else 0)
-        plan, name = _plan(options, seed, number, signs="wayfinding")
-        start, goal = _ends(options)
-        outcome = run_exploration_demo(
-            plan, seed, Path.cwd(), start=start, goal=goal, name=name, say=say
-        )
-    print(
+    # What is wrong with the seed is said of the seed that was given.
+    number = seed + (TRAINING_SEEDS.stop if seed >= 0 else 0)
+    plan, name = _plan(options, seed, number, signs="wayfinding")
+    start, goal = _ends(options)
+    outcome = run_exploration_demo(
+        plan, seed, Path.cwd(), start=start, goal=goal, name=name, say=say
+    )
+    return outcome, [
         f"{outcome.plan}, never seen before: {outcome.ending}, after {outcome.steps} actions and "
         f"{outcome.travelled} m (geodesic {outcome.geodesic} m, SPL {outcome.spl})."
+    ]
+
+
+def _navigate(options: argparse.Namespace, say: Narrator) -> tuple[Outcome, list[str]]:
+    """Navigate over a map, likewise."""
+    from tutorial_lib.experiments.demos.navigation_demo import run_demo
+
+    seed, own = options.seed or 0, options.agent or ""
+    plan, name = _plan(options, seed, seed)
+    start, goal = _ends(options)
+    outcome = run_demo(
+        plan,
+        seed,
+        Path.cwd(),
+        start=start,
+        goal=goal,
+        name=name,
+        oracle=options.oracle,
+        learn=options.learn,
+        own=own,
+        robot=options.robot or "",
+        say=say,
     )
-    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
-    return outcome.reached
-
-
-def _navigate(options: argparse.Namespace) -> bool:
-    """Navigate over a map; whether the goal was reached."""
-    seed = options.seed or 0
-    with Narrator() as say:
-        say("importing the library")
-        from tutorial_lib.experiments.demos.navigation_demo import run_demo
-
-        plan, name = _plan(options, seed, seed)
-        start, goal = _ends(options)
-        outcome = run_demo(
-            plan,
-            seed,
-            Path.cwd(),
-            start=start,
-            goal=goal,
-            name=name,
-            oracle=options.oracle,
-            learn=options.learn,
-            own=options.agent or "",
-            robot=options.robot or "",
-            say=say,
-        )
-    drives = [(f"by sight, with {options.agent}" if options.agent else "by sight", outcome)]
+    drives = [(f"by sight, with {own}" if own else "by sight", outcome)]
     drives += [("oracle", outcome.oracle)] if outcome.oracle else []
-    print(f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:")
+    lines = [f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:"]
     for name, drive in drives:
         words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
-        print(f"  {name}: {drive.ending}, {words}")
+        lines.append(f"  {name}: {drive.ending}, {words}")
     kept = f"the map is {outcome.map}" if outcome.map else "the map was not kept: --learn keeps it"
-    print(
-        f"The first plan is composed of {outcome.composed_of} of {outcome.drives} learned drives; "
-        f"{kept}."
-    )
-    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
-    return outcome.reached
+    composed = f"{outcome.composed_of} of {outcome.drives} learned drives"
+    return outcome, [*lines, f"The first plan is composed of {composed}; {kept}."]
 
 
 def _plan(
@@ -222,11 +208,8 @@ def _ends(options: argparse.Namespace) -> tuple[End | None, End | None]:
     """Start and goal that were asked for."""
     from tutorial_lib.experiments.demos.ends import parse_end
 
-    start, goal = (
-        None if text is None else parse_end(f"--{name}", text)
-        for name, text in (("start", options.start), ("goal", options.goal))
-    )
-    return start, goal
+    start = None if options.start is None else parse_end("--start", options.start)
+    return start, None if options.goal is None else parse_end("--goal", options.goal)
 
 
 class Narrator:

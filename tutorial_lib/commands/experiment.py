@@ -64,27 +64,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ablation", choices=ABLATIONS, default="", help=f"what runs in its place. {runs}"
     )
-    parser.add_argument(
-        "--palette",
-        choices=PALETTES,
-        default=STANDARD,
-        help="shifted: colours, gamma and noise that no network has seen",
-    )
-    parser.add_argument(
-        "--family",
-        choices=(*FAMILIES, "all"),
-        default="",
-        help="of generated worlds; all: in turn, by seed",
-    )
+    words = "shifted: colours, gamma and noise that no network has seen"
+    parser.add_argument("--palette", choices=PALETTES, default=STANDARD, help=words)
+    words = "of generated worlds; all: in turn, by seed"
+    parser.add_argument("--family", choices=(*FAMILIES, "all"), default="", help=words)
     parser.add_argument(
         "--agent", default="", metavar="FILE.py:CLASS", help="a class of your own, as row custom"
     )
-    parser.add_argument(
-        "--odometry",
-        choices=ODOMETRY,
-        default=DRIFTING,
-        help="of the robots' wheels; exact: without drift",
-    )
+    words = "of the robots' wheels; exact: without drift"
+    parser.add_argument("--odometry", choices=ODOMETRY, default=DRIFTING, help=words)
     parser.add_argument(
         "--drives",
         type=_drives,
@@ -94,27 +82,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "composed of several; tour: from each place to the next and back; or continuous, the same "
         "as one drive",
     )
-    parser.add_argument(
-        "--starts",
-        choices=STARTS,
-        default="",
-        help="of trials; anywhere: on a drive, looking aside",
-    )
-    parser.add_argument(
-        "--goals",
-        choices=GOALS,
-        default="",
-        help="how they are seen; turned: as on arrival from elsewhere",
-    )
+    words = "of trials; anywhere: on a drive, looking aside"
+    parser.add_argument("--starts", choices=STARTS, default="", help=words)
+    words = "how they are seen; turned: as on arrival from elsewhere"
+    parser.add_argument("--goals", choices=GOALS, default="", help=words)
     parser.add_argument(
         "--goal-images", choices=GOAL_IMAGES, default="", help="one image, or the end of a drive"
     )
-    parser.add_argument(
-        "--remedies",
-        choices=REMEDIES,
-        default="",
-        help="for places that look alike (notebook 07): each alone, all but one, or all",
-    )
+    words = "for places that look alike (notebook 07): each alone, all but one, or all"
+    parser.add_argument("--remedies", choices=REMEDIES, default="", help=words)
     parser.add_argument("--body", choices=BODIES, default=ROUND, help="of robots that explore")
     parser.add_argument(
         "--robot",

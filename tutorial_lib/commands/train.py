@@ -64,15 +64,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         add_scheduler(command)
         if name == "nts":
             kinds = command.add_mutually_exclusive_group()
+            shared = {"dest": "kind", "action": "store_const", "default": ""}
             for kind, meaning in exploration_recipes.KINDS.items():
-                kinds.add_argument(
-                    f"--{kind}",
-                    dest="kind",
-                    action="store_const",
-                    const=kind,
-                    default="",
-                    help=meaning,
-                )
+                kinds.add_argument(f"--{kind}", const=kind, help=meaning, **shared)
 
 
 def run(options: argparse.Namespace) -> int:

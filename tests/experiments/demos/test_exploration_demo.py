@@ -45,6 +45,7 @@ def recorded():
     model = TrueGeometry(task)
     agent = NTSAgent(model, np.random.default_rng(2))
     recorder = ExplorationRecorder(task, agent, model)
+    agent.start(task.goals())
     explore_recorded(task, agent, recorder)
     return scene, task, agent, recorder.moments
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.geodesics import CLEARANCE, GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.demos.places import nodes_in
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import Body
 from tutorial_lib.world.floorplan import FloorPlan
@@ -63,8 +62,10 @@ class End:
             raise InputError(
                 f"{self.option}: no room is called {self.room!r}; there are {', '.join(names)}"
             )
+        # Off the walls a little.
+        roomy = paths.largest & (paths.clearance > CLEARANCE + 0.1)
         for room in known:
-            nodes = nodes_in(plan, paths, room)
+            nodes = np.flatnonzero(plan.rooms[room].contains(paths.points) & roomy)
             if len(nodes):
                 return paths.points[nodes[paths.clearance[nodes].argmax()]]
         raise InputError(f"{self.option}: no path leads into {self.room}; choose another room")

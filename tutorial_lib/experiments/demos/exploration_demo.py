@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import time
-from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,26 +20,19 @@ from tutorial_lib.experiments.demos.exploration_film import (
     ExplorationFilm,
     ExplorationMoment,
 )
-from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_folder, rounded
-from tutorial_lib.experiments.demos.recorder import FILM_RATE
+from tutorial_lib.experiments.demos.outcome import FILM, STRIP, check_folder, rounded
+from tutorial_lib.experiments.demos.recorder import FILM_RATE, demo_files
 from tutorial_lib.experiments.demos.task import Say, silent
 from tutorial_lib.experiments.protocols.ghost_moments import ghost_moment
-from tutorial_lib.exploration.episodes import (
-    DIFFICULTIES,
-    SUCCESS,
-    Episodes,
-    draw_episodes,
-)
+from tutorial_lib.exploration.episodes import DIFFICULTIES, SUCCESS, Episodes, draw_episodes
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.task import STEPS, ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
-from tutorial_lib.files import atomic_paths
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import wrap
-from tutorial_lib.viz.figures.film import exact_png, film_encoder
-from tutorial_lib.viz.figures.panels import evenly, stacked
+from tutorial_lib.viz.figures.panels import evenly
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
@@ -208,33 +199,38 @@ def run_exploration_demo(
     agent = NTSAgent(model, np.random.default_rng([seed, 2]))
     recorder = ExplorationRecorder(task, agent, model)
     say("exploring")
+    agent.start(task.goals())
     explore_recorded(task, agent, recorder, say)
     title = f"{name}, never seen before: find where this picture was taken"
     shown = ExplorationFilm(scene, recorder.moments, episode.starts[0], episode.goals[0], title)
     outcome = _outcome(name, seed, task, agent)
     say("writing the film")
-    with atomic_paths(*(folder / one for one in (FILM, STRIP, FIGURES))) as (film, *others):
-        with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            for picture in shown:
-                write(picture)
-        strip = [shown[i] for i in evenly(len(shown), 3)]
-        others[0].write_bytes(exact_png(stacked(strip)))
-        others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
+    with demo_files(folder) as (write, finish):
+        for picture in shown:
+            write(picture)
+        finish([shown[i] for i in evenly(len(shown), 3)], outcome)
     return outcome
 
 
 def explore_recorded(
-    task: ExplorationTask, agent: NTSAgent, recorder: ExplorationRecorder, say: Say = silent
+    task: ExplorationTask,
+    agent: NTSAgent,
+    recorder: ExplorationRecorder,
+    say: Say = silent,
+    *,
+    quiet: bool = False,
 ) -> None:
-    """Let an agent act until the only episode is over, and record it."""
+    """Let an agent that was started act until the only episode is over, and record it.
+
+    If `quiet`, only its last moment is kept for the film.
+    """
     said = time.monotonic()
-    agent.start(task.goals())
     while not task.done.all():
         observation = task.observe()
         actions = agent.act(observation, ~task.done)
-        recorder.look(observation)
+        recorder.look(observation, quiet=quiet)
         task.step(actions)
-        if time.monotonic() - said > _QUIET:
+        if not quiet and time.monotonic() - said > _QUIET:
             said = time.monotonic()
             say("exploring: " + ", ".join(" ".join(line) for line in recorder.moments[-1].lines))
     recorder.look(task.observe(), last=True)
@@ -272,16 +268,13 @@ def draw_episode(name: str, scene: Scene, seed: int) -> Episodes:
     Raises:
         InputError: when not even an easy one fits.
     """
-    *harder, easiest = reversed(DIFFICULTIES)
-    for difficulty in harder:
-        with suppress(InputError):
+    words = ""
+    for difficulty, (least, _) in reversed(DIFFICULTIES.items()):
+        try:
             return draw_episodes(name, scene, {difficulty: 1}, np.random.default_rng(seed))
-    try:
-        return draw_episodes(name, scene, {easiest: 1}, np.random.default_rng(seed))
-    except InputError as error:
-        least = DIFFICULTIES[easiest][0]
-        words = f"demo: {name} has no two places {least:g} m apart ({error}); give a larger map"
-        raise InputError(words) from error
+        except InputError as error:
+            words = f"{name} has no two places {least:g} m apart ({error}); give a larger map"
+    raise InputError(f"demo: {words}")
 
 
 def episode_between(

@@ -126,12 +126,8 @@ class ExplorationFilm:
         right = _WIDE - _MARGIN - _PLAN
         _put(picture, self._known(moment), _MARGIN, top)
         bottom = _put(picture, self._drawn(moment), right, top)
-        _caption(
-            picture,
-            f"What it knows: seen so far, and its graph, {self._how}.",
-            _MARGIN,
-            bottom,
-        )
+        words = f"What it knows: seen so far, and its graph, {self._how}."
+        _caption(picture, words, _MARGIN, bottom)
         _caption(picture, "The truth, which it does not know.", right, bottom)
         _draw_legend(picture, bottom + _CAPTION + 26)
         return picture

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -16,15 +15,8 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos.forecast import Forecast
 from tutorial_lib.experiments.demos.moments import OnLivingMap, map_counts
 from tutorial_lib.experiments.demos.navigation_demo import drive
-from tutorial_lib.experiments.demos.outcome import (
-    FIGURES,
-    FILM,
-    STRIP,
-    Drive,
-    check_folder,
-    rounded,
-)
-from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
+from tutorial_lib.experiments.demos.outcome import FILM, STRIP, Drive, check_folder, rounded
+from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder, Write, demo_files
 from tutorial_lib.experiments.demos.task import Say, Task, silent, task_of
 from tutorial_lib.experiments.protocols.drives import part_of
 from tutorial_lib.experiments.protocols.lifelong import (
@@ -34,7 +26,6 @@ from tutorial_lib.experiments.protocols.lifelong import (
     run_queries,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, draw_trials, explored
-from tutorial_lib.files import atomic_paths
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.maintenance import Maintenance
 from tutorial_lib.viz.canvas import colours
@@ -43,9 +34,7 @@ from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.living_maps import draw_living_map
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.dashboard import LEGEND, MARGIN, Moment, dashboard
-from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.maps import pale_view
-from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
@@ -201,16 +190,14 @@ def run_lifelong_demo(folder: Path, *, stages: Sequence[Stage] = STAGES, say: Sa
     office, agent, task = _beginning()
     forecast.done(time.monotonic() - begun)
     life = _Life(office, agent, task, stages)
-    with atomic_paths(*(folder / name for name in (FILM, STRIP, FIGURES))) as (film, *others):
-        with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            for stage in stages:
-                say(f"{life.announced(stage)}; {forecast.words()} left")
-                life.run(stage, write)
-                forecast.done(time.monotonic() - begun)
-            say("writing the film")
-        others[0].write_bytes(exact_png(stacked(life.last_pictures)))
+    with demo_files(folder) as (write, finish):
+        for stage in stages:
+            say(f"{life.announced(stage)}; {forecast.words()} left")
+            life.run(stage, write)
+            forecast.done(time.monotonic() - begun)
+        say("writing the film")
         outcome = life.outcome()
-        others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
+        finish(life.last_pictures, outcome)
     return outcome
 
 
@@ -254,7 +241,7 @@ class _Life:
             return f"query {stage.first} of {self._total}, filmed, the door is {stage.door}"
         return f"queries {stage.first} to {stage.last}, to other goals, the door is {stage.door}"
 
-    def run(self, stage: Stage, write: Callable[[Picture], None]) -> None:
+    def run(self, stage: Stage, write: Write) -> None:
         """Run the queries of a stage; `write` gets each picture of a film."""
         self.story.append(self._filmed(stage, write) if stage.filmed else self._unfilmed(stage))
 
@@ -277,7 +264,7 @@ class _Life:
             others=tuple(one for one in self.story if isinstance(one, Queries)),
         )
 
-    def _filmed(self, stage: Stage, write: Callable[[Picture], None]) -> Query:
+    def _filmed(self, stage: Stage, write: Write) -> Query:
         agent, trial = self._agent, self._task.trial
         trial = replace(trial, seconds=trial.seconds + _SPARE)
         task = replace(self._task, trial=trial, people=self._door if stage.shut else [])
@@ -303,19 +290,13 @@ class _Life:
         return query
 
     def _unfilmed(self, stage: Stage) -> Queries:
-        numbers = np.arange(stage.first, stage.last + 1)
+        some = self._others.subset(np.arange(stage.first - 1, stage.last))
         people = self._door if stage.shut else []
-        some = self._others.subset(numbers - 1)
         found, _ = run_queries(
             self._task.building, some, self._agent, first=stage.first, people=people
         )
-        return Queries(
-            stage.first,
-            stage.last,
-            stage.door,
-            reached=int(found.there.sum()),
-            seconds=round(float(found.seconds.mean()), 1),
-        )
+        reached, seconds = int(found.there.sum()), round(float(found.seconds.mean()), 1)
+        return Queries(stage.first, stage.last, stage.door, reached, seconds)
 
 
 class LifeFilm:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,16 +22,8 @@ from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.forecast import DrivesForecast
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
 from tutorial_lib.experiments.demos.moments import ByOracle, BySight
-from tutorial_lib.experiments.demos.outcome import (
-    FIGURES,
-    FILM,
-    STRIP,
-    Drive,
-    Outcome,
-    check_folder,
-    rounded,
-)
-from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
+from tutorial_lib.experiments.demos.outcome import Drive, Outcome, check_folder, rounded
+from tutorial_lib.experiments.demos.recorder import FilmRecorder, Write, demo_files
 from tutorial_lib.experiments.demos.sureness import sureness
 from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
 from tutorial_lib.experiments.protocols.navigation import (
@@ -43,7 +34,6 @@ from tutorial_lib.experiments.protocols.navigation import (
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import Building
-from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation, Plan
 from tutorial_lib.learning.views import view_of
 from tutorial_lib.topology.mapping.scan_matching import match_scans
@@ -51,9 +41,8 @@ from tutorial_lib.validation import floats
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
 from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
-from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.maps import map_view
-from tutorial_lib.viz.figures.panels import evenly, side_by_side, stacked
+from tutorial_lib.viz.figures.panels import evenly, side_by_side
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
@@ -144,17 +133,13 @@ def run_demo(
         if not robot or start or goal:
             raise
         raise InputError(f"{error}; or a smaller body in --robot {robot}") from error
-    call = partial(guarded, own) if own else _call
+    call = partial(guarded, own) if own else lambda run, *given: run(*given)
     file = call(partial(learn_map, recorded=task.recorded, again=learn), agent, task.building, say)
     beside = drive_oracle(task, say) if oracle else None
-    # Together, so that figures are always those of the film beside them.
-    with atomic_paths(*(folder / name for name in (FILM, STRIP, FIGURES))) as (film, *others):
-        with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            shown, outcome = call(drive_by_sight, task, agent, seed, say, beside, write, file)
-            say("writing the film")
-        strip = [shown[i] for i in evenly(len(shown), 3)]
-        others[0].write_bytes(exact_png(stacked(strip)))
-        others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
+    with demo_files(folder) as (write, finish):
+        shown, outcome = call(drive_by_sight, task, agent, seed, say, beside, write, file)
+        say("writing the film")
+        finish([shown[i] for i in evenly(len(shown), 3)], outcome)
     return outcome
 
 
@@ -167,10 +152,6 @@ def _with_own(where: str, camera: Camera) -> MengAgent:
             "components, as a planner"
         )
     return agent
-
-
-def _call(run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
-    return run(*arguments)
 
 
 def navigate_once(
@@ -249,7 +230,7 @@ def drive_by_sight(
     seed: int,
     say: Say = silent,
     oracle: tuple[Frames, Drive] | None = None,
-    write: Callable[[Picture], None] = lambda picture: None,
+    write: Write = lambda picture: None,
     file: Path | None = None,
 ) -> tuple[Frames, Outcome]:
     """Navigate with a map; the film, and how it went.

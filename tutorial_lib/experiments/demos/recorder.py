@@ -1,22 +1,50 @@
-"""Records a rollout of one robot for a film."""
+"""Records a rollout of one robot for a film, and writes what a demo leaves behind."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from tutorial_lib.experiments.demos.outcome import Drive
+from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, Drive
+from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.se2 import Array, arc_length
+from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.dashboard import Moment
+from tutorial_lib.viz.figures.film import exact_png, film_encoder
+from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.world.simulation import Simulation
 
 EVERY = 4
 """Simulation steps for each frame of the film."""
 FILM_RATE = 12.0
 """Frames a second: nearly five times as fast as the robot."""
+Write = Callable[[Picture], None]
+"""Adds a picture to a film."""
+
+
+@contextmanager
+def demo_files(folder: Path) -> Iterator[tuple[Write, Callable[[Sequence[Picture], Any], None]]]:
+    """Write the files of a demo: all of them or none, so that all tell of the same run.
+
+    Yields:
+        What adds a picture to the film, and what writes the pictures of the strip and the figures.
+    """
+    files = (folder / name for name in (FILM, STRIP, FIGURES))
+    with atomic_paths(*files) as (film, strip, figures):
+
+        def finish(pictures: Sequence[Picture], outcome: Any) -> None:  # noqa: ANN401 - a dataclass
+            strip.write_bytes(exact_png(stacked(pictures)))
+            figures.write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
+
+        with film_encoder(folder / FILM, film, FILM_RATE) as write:
+            yield write, finish
 
 
 class FilmRecorder:

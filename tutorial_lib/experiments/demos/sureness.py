@@ -20,7 +20,14 @@ _NEAR = 4.0  # metres from the goal
 
 def sureness(building: Building, agent: MengAgent) -> list[Array]:
     """RE (S,) from each place on a drive to the next, for all drives of a building."""
-    return [_along(building, number, agent) for number in range(len(building.pairs))]
+    found = []
+    for number in range(len(building.pairs)):
+        seen = building.recorded.observe(building.recorded.frames_of(number), building.camera)
+        images = agent.predictor.view.of(seen)
+        targets = contextified(images, agent.predictor.k)[STEP::STEP]
+        prepared = agent.reachability.prepare(targets)
+        found.append(query(agent.reachability, seen[np.arange(len(targets)) * STEP], prepared))
+    return found
 
 
 def recognised_from(building: Building, trial: Trials, agent: MengAgent) -> int:
@@ -35,12 +42,3 @@ def recognised_from(building: Building, trial: Trials, agent: MengAgent) -> int:
     gaps = np.linalg.norm(building.recorded.poses[frames, :2] - trial.goal_poses[0, :2], axis=1)
     from_where = gaps[sure > DijkstraPlanner.p_goal]
     return len(from_where) if (from_where <= _NEAR).all() else 0
-
-
-def _along(building: Building, number: int, agent: MengAgent) -> Array:
-    frames = building.recorded.frames_of(number)
-    seen = building.recorded.observe(frames, building.camera)
-    images = agent.predictor.view.of(seen)
-    targets = contextified(images, agent.predictor.k)[STEP::STEP]
-    prepared = agent.reachability.prepare(targets)
-    return query(agent.reachability, seen[np.arange(len(targets)) * STEP], prepared)

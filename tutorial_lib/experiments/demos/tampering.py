@@ -132,16 +132,9 @@ class TamperedMap:
 
     def _run(self) -> str:
         upkeep, done = self._agent.upkeep, len(self.blocks) * BLOCK
-        which = np.arange(done, done + BLOCK) % len(self._queries)
-        people = self._people if self.shut else ()
-        found, _ = run_queries(
-            self._building,
-            self._queries.subset(which),
-            self._agent,
-            BLOCK,
-            self._first + done,
-            people,
-        )
+        some = self._queries.subset(np.arange(done, done + BLOCK) % len(self._queries))
+        first, people = self._first + done, self._people if self.shut else ()
+        found, _ = run_queries(self._building, some, self._agent, BLOCK, first, people)
         self.blocks.append(Block(float(found.success.mean()), len(upkeep.pruned), self.shut))
         yours = ""
         for edges, words in ((self.cut, "cut edges are back"), (self.added, "added ones are left")):
@@ -190,19 +183,13 @@ class TamperedMap:
         numbers = [self._first + BLOCK * (number + 1) for number in range(len(self.blocks))]
         success = [block.success for block in self.blocks]
         axes.plot(numbers, success, color=colours.unit(colours.ROBOT), marker="o", label="arrive")
+        look = {"color": colours.unit(colours.LASER), "marker": "s"}
         pruned = [block.pruned / 100 for block in self.blocks]
-        axes.plot(
-            numbers,
-            pruned,
-            color=colours.unit(colours.LASER),
-            marker="s",
-            label="edges pruned, hundreds",
-        )
-        for before, (number, block) in zip(
-            [self._first, *numbers], zip(numbers, self.blocks, strict=True), strict=False
-        ):
+        axes.plot(numbers, pruned, label="edges pruned, hundreds", **look)
+        for number, block in zip(numbers, self.blocks, strict=True):
             if block.shut:
-                axes.axvspan(before, number, color=colours.unit(colours.PERSON), alpha=0.2)
+                shade = colours.unit(colours.PERSON)
+                axes.axvspan(number - BLOCK, number, color=shade, alpha=0.2)
         axes.set(ylim=(0, 1.05), xlabel="queries; pink where the door was shut")
         axes.set_xlim(self._first, max([self._first + 4 * BLOCK, *numbers]))
         axes.legend(loc="lower right")

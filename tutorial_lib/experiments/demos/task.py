@@ -14,7 +14,6 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.demos.ends import End, room_names
 from tutorial_lib.experiments.demos.moments import sharp
-from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
 from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
 from tutorial_lib.experiments.demos.sureness import recognised_from, sureness
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -25,7 +24,8 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     spread_places,
 )
 from tutorial_lib.experiments.protocols.odometry import Odometry
-from tutorial_lib.geometry import Array
+from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.viz.canvas.colours import PERSON
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.floorplan import FloorPlan
@@ -33,6 +33,8 @@ from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
 
+ROOMS_AWAY = 3
+"""Doors of a trip, as nearly as there is one."""
 TRIP = 20.0
 """Metres of a trip, as nearly as there is one, between those with as many doors."""
 SURE = 0.7
@@ -44,6 +46,9 @@ PART = 30.0
 _MARGIN = 8.0  # metres around start and goal that were asked for
 _NEAREST = 3.0  # metres between those
 _TRIED = 8  # trips, of which the first that will do is run
+_STROLL = 2.5  # metres that a person walks to and fro
+_ASIDE = 0.45  # metres beside the path
+_AT_EASE = 1.0  # metres of the path without people at either end
 
 Say = Callable[[str], None]
 """Is called with what is being done."""
@@ -195,15 +200,33 @@ def task_of(building: Building, trial: Trials, recorded: int, bounds: Array) -> 
     )
 
 
-def farthest(building: Building, trials: Trials) -> tuple[Trials, tuple[str, str], int]:
-    """The trial that leads `ROOMS_AWAY` rooms away, or as nearly; the rooms' kinds; the doors."""
-    if not len(trials):
-        family = building.scene.plan.family
-        raise InputError(f"demo: no path between places of {family}; give a larger map")
-    room, doors = _doors(building.scene.plan, trials.starts[:, :2], trials.goal_poses[:, :2])
-    best = int(np.lexsort((-trials.seconds, np.abs(doors - ROOMS_AWAY)))[0])
-    kinds = tuple(building.scene.plan.rooms[int(number)].kind for number in room[:, best])
-    return trials.subset(np.array([best])), (kinds[0], kinds[1]), int(doors[best])
+def place_people(path: Array, scene: Scene) -> list[Person]:
+    """Two people who walk to and fro beside a path (P, 2), where there is most room."""
+    miles = arc_length(path)
+    people, middle = [], miles[-1] / 2
+    for first, last in ((_AT_EASE, middle), (middle, miles[-1] - _AT_EASE)):
+        begins = np.linspace(first, max(first, last - _STROLL), 30)
+        stretches = begins[:, None] + np.linspace(0, min(_STROLL, last - first), 12)
+        routes = np.stack([np.interp(stretches, miles, path[:, axis]) for axis in (0, 1)], axis=-1)
+        along = np.gradient(routes, axis=1)
+        left = np.stack([-along[..., 1], along[..., 0]], axis=-1)
+        left /= np.linalg.norm(left, axis=-1, keepdims=True)
+        routes = np.concatenate([routes + _ASIDE * left, routes - _ASIDE * left])
+        roomiest = scene.clearance.at(routes).min(axis=1).argmax()
+        people.append(Person(routes[roomiest], speed=0.4, colour=PERSON))
+    return people
+
+
+def doors_between(plan: FloorPlan) -> Array:
+    """(R, R) the least number of doors between every two rooms; inf where there is none."""
+    count = len(plan.rooms)
+    doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
+    for door in plan.doors:
+        first, second = door.rooms
+        doors[first, second] = doors[second, first] = 1.0
+    for between in range(count):
+        doors = np.minimum(doors, doors[:, between, None] + doors[None, between])
+    return doors
 
 
 def _doors(

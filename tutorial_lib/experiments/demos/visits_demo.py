@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +11,18 @@ from tutorial_lib.agents.lifelong import LifelongAgent
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.demos.endings import exploration_ending
-from tutorial_lib.experiments.demos.exploration_demo import ExplorationRecorder, headings_off
+from tutorial_lib.experiments.demos.exploration_demo import (
+    ExplorationRecorder,
+    explore_recorded,
+    headings_off,
+)
 from tutorial_lib.experiments.demos.exploration_film import ExplorationFilm
-from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_folder
-from tutorial_lib.experiments.demos.recorder import FILM_RATE
+from tutorial_lib.experiments.demos.outcome import FILM, STRIP, check_folder
+from tutorial_lib.experiments.demos.recorder import demo_files
 from tutorial_lib.experiments.demos.task import Say, silent
 from tutorial_lib.experiments.race.ten_visits import Settings, draw_lives
 from tutorial_lib.exploration.episodes import Episodes, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask
-from tutorial_lib.files import atomic_paths
-from tutorial_lib.viz.figures.film import exact_png, film_encoder
-from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.world.worlds import scene_of
 
 WORLD, LIFE = 10_004, 3
@@ -104,21 +104,19 @@ def run_visits_demo(folder: Path, *, visits: int = VISITS, say: Say = silent) ->
             task.next_goals(poses)
             agent.look_for(task.goals())
         recorder.moments = []
-        while not task.done.all():
-            observation = task.observe()
-            actions = agent.act(observation, ~task.done)
-            recorder.look(observation, quiet=number not in SHOWN)
-            task.step(actions)
-        recorder.look(task.observe(), last=True)
+        explore_recorded(task, agent, recorder, quiet=number not in SHOWN)
         done.append(_visit(number, task, agent))
         if number in SHOWN:
-            moments = [*recorder.moments, *recorder.moments[-1:] * round(FILM_RATE)]
             title = f"visit {number + 1} of {visits} to one building: find where this was taken"
-            shown = scene, moments, starts[0][0], poses[0], title
+            shown = scene, recorder.moments, starts[0][0], poses[0], title
             films.append(ExplorationFilm(*shown, "by odometry that walls correct"))
     life = LifeOnFilm(all(done[i].reached for i in SHOWN if i < visits), name, tuple(done))
     say("writing the film")
-    _write(folder, films, life)
+    with demo_files(folder) as (write, finish):
+        for film in films:
+            for picture in film:
+                write(picture)
+        finish([film[len(film) - 1] for film in films], life)
     return life
 
 
@@ -135,14 +133,3 @@ def _visit(number: int, task: ExplorationTask, agent: LifelongAgent) -> Visit:
         drift=drift,
         off=off,
     )
-
-
-def _write(folder: Path, films: list[ExplorationFilm], life: LifeOnFilm) -> None:
-    """Film, strip of the last pictures, and figures: all of them or none."""
-    with atomic_paths(*(folder / one for one in (FILM, STRIP, FIGURES))) as (film, *others):
-        with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            for one in films:
-                for i in range(len(one)):
-                    write(one[i])
-        others[0].write_bytes(exact_png(stacked([one[len(one) - 1] for one in films])))
-        others[1].write_text(json.dumps(asdict(life), indent=1) + "\n", encoding="utf-8")

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points
 from tutorial_lib.experiments.meng2020.fig12_localization import FOUND, NOTICED, RIGHT, SURE
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE
-from tutorial_lib.experiments.results_page.markdown import Row, interval, points, table
+from tutorial_lib.experiments.results_page.markdown import Row, points, table
 from tutorial_lib.experiments.results_page.sources import Results
 from tutorial_lib.experiments.results_page.tables import (
     Best,
-    Text,
     column,
     listing,
     named,
     one,
+    share,
     success,
+    table_of,
 )
 
 NAMES = {
@@ -74,14 +74,13 @@ def success_by_remedy(results: Results) -> str:
     )
 
 
-def filter_by_case(rows: Rows) -> str:
-    """What the filter believed, a line for each case."""
-    return listing(
-        named(rows, "case", SHOWN_CASES),
-        ("case", "{name}"),
-        ("count", "{count:,}"),
-        *((words, _share(key)) for key, words in SHARES.items()),
-    )
+filter_by_case = table_of(
+    ("case", "{name}"),
+    ("count", "{count:,}"),
+    *((words, share(key)) for key, words in SHARES.items()),
+    names=("case", SHOWN_CASES),
+)
+"""What the filter believed, a line for each case."""
 
 
 def success_elsewhere(results: Results) -> str:
@@ -102,11 +101,6 @@ def success_elsewhere(results: Results) -> str:
             ]
         )
     return table(["learned", "worlds", "without", "with all", "points", "by world"], lines)
-
-
-def _share(key: str) -> Text:
-    """A share with its interval; nothing where a case has none."""
-    return lambda row: "" if row[key] is None else interval(row, key, f"{key}_low", f"{key}_high")
 
 
 def _number(gap: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from itertools import product
 from typing import Any
 
@@ -22,7 +21,8 @@ from tutorial_lib.experiments.results_page.markdown import (
 from tutorial_lib.experiments.results_page.sources import Results
 from tutorial_lib.experiments.results_page.tables import (
     Best,
-    by,
+    asked,
+    called,
     column,
     listing,
     matching,
@@ -31,6 +31,7 @@ from tutorial_lib.experiments.results_page.tables import (
     pivot,
     success,
     success_and_spl,
+    table_of,
     transposed,
     without,
 )
@@ -54,6 +55,7 @@ AGENTS = {
     "oracle": "oracle",
 }
 """How agents are called on the page."""
+AGENT = called("agent", AGENTS)
 SENSORS = {"rgbd": "with depth", "rgb": "without depth"}
 
 METHODS = {"both": "map and explorer", "memory": "map alone", "explorer": "explorer alone"}
@@ -85,7 +87,7 @@ def choices(rows: Rows) -> str:
     scores = {"masked": "masked", "blind": "blind", "histogram": "colours"}
     rgbd, rgb = (matching(rows, sensor=sensor) for sensor in ("rgbd", "rgb"))
     return listing(
-        _asked(pairs=PAIRS, signs=SIGNS, difficulty=DIFFICULTIES),
+        asked(pairs=PAIRS, signs=SIGNS, difficulty=DIFFICULTIES),
         ("pairs", "{pairs}"),
         ("worlds", "{signs}"),
         ("goals", "{difficulty}"),
@@ -107,12 +109,12 @@ def table_1(results: Results, signs: str) -> str:
         # Nothing is best where there is nothing to compare it with.
         bounds = ("oracle", "random") if len(agents) > 1 else agents
         best = Best(success_and_spl, without(bounds, "agent", "spl"))
-        columns = pivot(mine, by("difficulty", DIFFICULTIES), by("agent", agents), best)
+        columns = pivot(mine, asked(difficulty=DIFFICULTIES), asked(agent=agents), best)
         for name, *cells in transposed([agents, *columns]):
             lines.append([AGENTS[name], words, *cells, _reported(name, sensor)])
-        for name, called in RL.items():
+        for name in RL:
             if name not in agents and (name, sensor) in TABLE1:
-                lines.append([called, words, NOT_HERE, "", "", _reported(name, sensor)])
+                lines.append([AGENTS[name], words, NOT_HERE, "", "", _reported(name, sensor)])
     return table(["agent", "sensor", *DIFFICULTIES, "paper"], lines)
 
 
@@ -144,8 +146,8 @@ def in_time(rows: Rows, signs: str) -> str:
     keys = (*(f"success_{steps}" for steps in AT_STEPS), "success")
     shares = " / ".join(f"{{{key}:.1%}}" for key in keys)
     return listing(
-        _asked(agent=("nts", "fbe", "ans_like"), sensor=("rgbd",), signs=(signs,)),
-        ("agent", _agent),
+        asked(agent=("nts", "fbe", "ans_like"), sensor=("rgbd",), signs=(signs,)),
+        ("agent", AGENT),
         *((level, of(rows, shares, difficulty=level)) for level in DIFFICULTIES),
     )
 
@@ -161,8 +163,8 @@ def spl_gap(
 def spl_gaps(results: Results) -> str:
     """Those differences to the agents of Table 1."""
     return listing(
-        _asked(agent=("fbe", "ans_like", "nts_no_score", "nts_blind"), signs=SIGNS),
-        ("NTS - other, SPL", _agent),
+        asked(agent=("fbe", "ans_like", "nts_no_score", "nts_blind"), signs=SIGNS),
+        ("NTS - other, SPL", AGENT),
         ("worlds", "{signs}"),
         *(
             (level, lambda row, level=level: spl_gap(results, **row, difficulty=level))
@@ -174,9 +176,9 @@ def spl_gaps(results: Results) -> str:
 def bodies(rows: Rows, cars: Rows) -> str:
     """Success and SPL of every agent with a car, and of the round robot beside it."""
     return listing(
-        _asked(signs=SIGNS, agent=dict.fromkeys(column(cars, "agent")), sensor=("rgbd",)),
+        asked(signs=SIGNS, agent=dict.fromkeys(column(cars, "agent")), sensor=("rgbd",)),
         ("worlds", "{signs}"),
-        ("agent", _agent),
+        ("agent", AGENT),
         *(
             (f"{level}, {body}", of(found, success_and_spl, difficulty=level))
             for level in DIFFICULTIES
@@ -194,13 +196,12 @@ def stop_and_noise(results: Results) -> str:
     for agent in ("nts", "ans_like", "fbe", *RL, "il"):
         usual, shares = PAPER_STANDARD[agent], [PAPER[agent, name][-1] for name in changed]
         cells = [*percents((usual, *shares), 0), *(points(share - usual) for share in shares)]
-        called = AGENTS[agent]
-        lines.append([called, "the paper", *cells])
-        asked = by("signs", SIGNS), by("condition", CONDITIONS)
-        here = pivot(matching(overall, agent=agent), *asked, "{success:.1%}")
+        lines.append([AGENTS[agent], "the paper", *cells])
+        both = asked(signs=SIGNS), asked(condition=CONDITIONS)
+        here = pivot(matching(overall, agent=agent), *both, "{success:.1%}")
         for signs, cells in zip(SIGNS, here, strict=True):
             gains = [gain_without(results, agent, signs, name) for name in changed]
-            lines.append([called, signs, *cells, *gains])
+            lines.append([AGENTS[agent], signs, *cells, *gains])
     head = ["agent", "worlds", "standard", "without stop", "without noise"]
     return table([*head, "gain without stop", "gain without noise"], lines)
 
@@ -214,8 +215,8 @@ def gain_without(results: Results, agent: str, signs: str, condition: str) -> st
 def sequences(rows: Rows) -> str:
     """Success and SPL over goals one after another."""
     return listing(
-        _asked(signs=SIGNS, agent=("nts", "nts_no_graph", "nts_no_score")),
-        ("agent", _agent),
+        asked(signs=SIGNS, agent=("nts", "nts_no_graph", "nts_no_score")),
+        ("agent", AGENT),
         ("worlds", "{signs}"),
         ("1 goal", of(rows, success_and_spl, goals=1)),
         *((f"{goals} goals", of(rows, success_and_spl, goals=goals)) for goals in (2, 5, 10)),
@@ -226,8 +227,8 @@ def gaps(rows: Rows) -> str:
     """The gap of NTS to both ablations at one goal and at ten, beside what the paper's does."""
     paper = {"nts_no_graph": "grows", "nts_no_score": "shrinks"}
     return listing(
-        _asked(agent=paper, signs=SIGNS),
-        ("NTS - this", _agent),
+        asked(agent=paper, signs=SIGNS),
+        ("NTS - this", AGENT),
         ("worlds", "{signs}"),
         ("in the paper", lambda row: paper[row["agent"]]),
         ("success, 1 goal", of(rows, _success_gap, goals=1)),
@@ -247,8 +248,8 @@ def rules(results: Results) -> str:
         return spl_gap(results, **row, difficulty=level, report=name)
 
     return listing(
-        _asked(agent=RULES, signs=SIGNS),
-        ("rule", lambda row: RULES[row["agent"]]),
+        asked(agent=RULES, signs=SIGNS),
+        ("rule", called("agent", RULES)),
         ("worlds", "{signs}"),
         *(
             (level, of(results.rows(name), success_and_spl, difficulty=level))
@@ -270,10 +271,10 @@ def by_signs(rows: Rows, **values: Any) -> str:  # noqa: ANN401 - any value of a
 def second_visit(rows: Rows) -> str:
     """What a map from the first visit is worth on the second one."""
     return listing(
-        _asked(signs=SIGNS, goals=GOALS, method=METHODS),
+        asked(signs=SIGNS, goals=GOALS, method=METHODS),
         ("worlds", "{signs}"),
-        ("goals", lambda row: GOALS[row["goals"]]),
-        ("method", lambda row: METHODS[row["method"]]),
+        ("goals", called("goals", GOALS)),
+        ("method", called("method", METHODS)),
         ("success", of(rows, success)),
         ("SPL", of(rows, "{spl:,.3f}")),
         ("along the map", of(rows, lambda row: percent(row["recalled"], 0))),
@@ -281,16 +282,15 @@ def second_visit(rows: Rows) -> str:
     )
 
 
-def first_ghosts(rows: Rows) -> str:
-    """Which ghost a robot takes first for each of two goals, and what becomes of it."""
-    return listing(
-        matching(rows, figure=10),
-        ("place", lambda row: " ".join(row["world"].split("/")[:2])),
-        ("goal in", "{what}"),
-        ("ghost taken first", "{chosen}"),
-        ("best direction", "{best}"),
-        ("driven", lambda row: f"{row['travelled']:.1f} m" if row["success"] else "missed"),
-    )
+first_ghosts = table_of(
+    ("place", lambda row: " ".join(row["world"].split("/")[:2])),
+    ("goal in", "{what}"),
+    ("ghost taken first", "{chosen}"),
+    ("best direction", "{best}"),
+    ("driven", lambda row: f"{row['travelled']:.1f} m" if row["success"] else "missed"),
+    figure=10,
+)
+"""Which ghost a robot takes first for each of two goals, and what becomes of it."""
 
 
 def ghosts(rows: Rows) -> list[int]:
@@ -301,19 +301,10 @@ def ghosts(rows: Rows) -> list[int]:
     return [len(different) for different in chosen.values()]
 
 
-def _asked(**values: Iterable[str]) -> Rows:
-    """What lines ask for: all combinations of the values of some columns."""
-    return [dict(zip(values, found, strict=True)) for found in product(*values.values())]
-
-
 def _reported(agent: str, sensor: str) -> str:
     """Success and SPL by difficulty as the paper has them; nothing where it has not."""
     levels = TABLE1.get((agent, sensor), ())
     return ", ".join(f"{success:.2f} / {spl:.2f}" for success, spl in levels)
-
-
-def _agent(row: Row) -> str:
-    return AGENTS[row["agent"]]
 
 
 def _gain(row: Row) -> str:

@@ -7,7 +7,7 @@ import math
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.moves import ASIDE, TURNED
 from tutorial_lib.experiments.results_page.markdown import Row, counted, interval
-from tutorial_lib.experiments.results_page.tables import listing, matching, named
+from tutorial_lib.experiments.results_page.tables import called, listing, matching, share, table_of
 from tutorial_lib.experiments.robustness.disturbances import SOON
 
 CONTEXTS = {"k0": "k = 0", "k2": "k = 2", "k5": "k = 5", "laser": "laser, k = 2"}
@@ -37,70 +37,48 @@ def cover_rates(rows: Rows) -> str:
 
     def noisy(row: Row) -> str:
         same = {key: row[key] for key in ("method", "context", "threshold")}
-        return "".join(
-            interval(found, "cover_rate") for found in matching(rows, condition="noise", **same)
-        )
+        return "".join(map(_cover_rate, matching(rows, condition="noise", **same)))
 
     return listing(
         matching(rows, condition="clean"),
-        ("context", _context),
+        ("context", called("context", CONTEXTS)),
         ("anchors by", anchors_by),
         ("sparsity", "{sparsity:.3f}"),
         ("stored", "{stored:.3f}"),
-        ("cover rate", lambda row: interval(row, "cover_rate")),
+        ("cover rate", _cover_rate),
         ("with noise", noisy),
     )
 
 
-def placement(rows: Rows) -> str:
-    """How densely anchors are kept, and where."""
-    return listing(
-        rows,
-        ("context", _context),
-        ("anchors", "{anchors:,}"),
-        ("sparsity", "{sparsity:.3f}"),
-        ("apart", "{metres:.2f} m"),
-        *(
-            (words, f"{{{key}:+.2f}} ({{{key}_low:+.2f}} to {{{key}_high:+.2f}})")
-            for key, words in CORRELATIONS.items()
-        ),
-    )
+placement = table_of(
+    ("context", called("context", CONTEXTS)),
+    ("anchors", "{anchors:,}"),
+    ("sparsity", "{sparsity:.3f}"),
+    ("apart", "{metres:.2f} m"),
+    *(
+        (words, f"{{{key}:+.2f}} ({{{key}_low:+.2f}} to {{{key}_high:+.2f}})")
+        for key, words in CORRELATIONS.items()
+    ),
+)
+"""How densely anchors are kept, and where."""
+one_rollout = table_of(
+    ("place", "{place}"),
+    ("time", "{seconds:.1f} s"),
+    ("state", lambda row: row["state"].replace("_", " ")),
+    ("active anchor", "{active} of {anchors}"),
+    ("RE", "{probability:.3f}"),
+)
+"""The numbered places of one rollout."""
+recoveries = table_of(
+    ("disturbance", "{name}"),
+    ("rollouts", "{trajectories}"),
+    ("finished", lambda row: "" if row["disturbance"] == "carried" else share("finished")(row)),
+    (f"lost within {SOON:g} s", share("soon")),
+    ("lost in the end", lambda row: counted(row["lost"], row["trajectories"])),
+    names=("disturbance", DISTURBANCES),
+)
+"""How rollouts go on after a disturbance; the kidnapped cannot finish."""
 
 
-def one_rollout(rows: Rows) -> str:
-    """The numbered places of one rollout."""
-    return listing(
-        rows,
-        ("place", "{place}"),
-        ("time", "{seconds:.1f} s"),
-        ("state", lambda row: row["state"].replace("_", " ")),
-        ("active anchor", "{active} of {anchors}"),
-        ("RE", "{probability:.3f}"),
-    )
-
-
-def recoveries(rows: Rows) -> str:
-    """How rollouts go on after a disturbance; the kidnapped cannot finish."""
-    return listing(
-        named(rows, "disturbance", DISTURBANCES),
-        ("disturbance", "{name}"),
-        ("rollouts", "{trajectories}"),
-        (
-            "finished",
-            lambda row: (
-                ""
-                if row["disturbance"] == "carried"
-                else interval(row, "finished", "finished_low", "finished_high")
-            ),
-        ),
-        (f"lost within {SOON:g} s", _soon),
-        ("lost in the end", lambda row: counted(row["lost"], row["trajectories"])),
-    )
-
-
-def _context(row: Row) -> str:
-    return CONTEXTS[row["context"]]
-
-
-def _soon(row: Row) -> str:
-    return interval(row, "soon", "soon_low", "soon_high")
+def _cover_rate(row: Row) -> str:
+    return interval(row, "cover_rate")

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from tutorial_lib.experiments.common.report import Finding, Rows
 from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
-from tutorial_lib.experiments.results_page.markdown import Row, interval, number, percent, table
+from tutorial_lib.experiments.results_page.markdown import Row, number, percent, percents, table
 from tutorial_lib.experiments.results_page.tables import (
     Text,
+    asked,
+    called,
     column,
     listing,
     matching,
     named,
     of,
-    one,
+    share,
     success,
+    table_of,
 )
 
 FAMILIES = {"others": "apartments and offices", "loop_corridor": "loop corridors"}
 """How families are called on the page."""
+IN_WORLDS = ("worlds", called("family", FAMILIES))
+"""Their column."""
 AGENTS = {
     "ltvn": "LTVN",
     "frozen": "its map as it was built",
@@ -57,71 +62,58 @@ SERIES = ("agent", "perception", "family")
 def label(rows: Rows) -> str:
     """How pairs of images end for which a condition holds, and for which it does not."""
 
-    def otherwise(end: str) -> Callable[[Row], str]:
-        def text(row: Row) -> str:
-            return "".join(map(_share(end), matching(rows, term=row["term"], holds=False)))
-
-        return text
+    def otherwise(end: str) -> Text:
+        return lambda row: "".join(map(share(end), matching(rows, term=row["term"], holds=False)))
 
     return listing(
         named(rows, "term", TERMS, holds=True),
         ("condition", "{name}"),
         ("pairs", "{pairs:,}"),
-        ("holds: arrive", _share("arrives")),
-        ("and face so", _share("faces")),
+        ("holds: arrive", share("arrives")),
+        ("and face so", share("faces")),
         ("else: arrive", otherwise("arrives")),
         ("and face so", otherwise("faces")),
     )
 
 
-def model(rows: Rows) -> str:
-    """Which pairs each gate calls reachable."""
-    return listing(
-        rows,
-        ("gate", "{gate}"),
-        ("worlds", _family),
-        ("threshold", "{threshold:,.3f}"),
-        ("reachable found", "{recall:.1%}"),
-        ("far accepted", "{far_rate:.3%}"),
-        ("precision", "{precision:.1%}"),
-        ("far among accepted", "{far_share:.2%}"),
-        ("waypoint, median error", "{waypoint_error:.3f} m, {yaw_error:.1f} degrees"),
-        ("ECE", lambda row: number(row["ece"])),
-    )
-
-
-def finetune(rows: Rows) -> str:
-    """The model, and navigation on its map, before and after it was tuned to the building."""
-    return listing(
-        rows,
-        ("building", lambda row: LOOKS[row["look"]]),
-        ("model", lambda row: "tuned" if row["tuned"] else "as it is shipped"),
-        ("waypoint, median error", "{waypoint_error:.3f} m, {yaw_error:.1f} degrees"),
-        ("reachable found", "{recall:.1%}"),
-        ("far accepted", "{far_rate:.3%}"),
-        ("found at a threshold of its own", "{recall_at:.1%}"),
-        ("queries", success),
-        ("vertices", "{vertices:.0f}"),
-    )
+model = table_of(
+    ("gate", "{gate}"),
+    IN_WORLDS,
+    ("threshold", "{threshold:,.3f}"),
+    ("reachable found", "{recall:.1%}"),
+    ("far accepted", "{far_rate:.3%}"),
+    ("precision", "{precision:.1%}"),
+    ("far among accepted", "{far_share:.2%}"),
+    ("waypoint, median error", "{waypoint_error:.3f} m, {yaw_error:.1f} degrees"),
+    ("ECE", lambda row: number(row["ece"])),
+)
+"""Which pairs each gate calls reachable."""
+finetune = table_of(
+    ("building", called("look", LOOKS)),
+    ("model", lambda row: "tuned" if row["tuned"] else "as it is shipped"),
+    ("waypoint, median error", "{waypoint_error:.3f} m, {yaw_error:.1f} degrees"),
+    ("reachable found", "{recall:.1%}"),
+    ("far accepted", "{far_rate:.3%}"),
+    ("found at a threshold of its own", "{recall_at:.1%}"),
+    ("queries", success),
+    ("vertices", "{vertices:.0f}"),
+)
+"""The model, and navigation on its map, before and after it was tuned to the building."""
 
 
 def size(rows: Rows) -> str:
     """Success, vertices and edges of maps with other thresholds."""
-    connect = sorted(set(column(rows, "connect")))
+    merge, connect = (sorted(set(column(rows, key))) for key in ("merge", "connect"))
 
-    def at(metres: float) -> Text:
-        return of(rows, lambda row: f"{success(row)}, {row['edges']:,.0f} edges", connect=metres)
+    def joined(row: Row) -> str:
+        return f"{success(row)}, {row['edges']:,.0f} edges"
 
     return listing(
-        [
-            {"family": family, "merge": merge}
-            for family in FAMILIES
-            for merge in sorted(set(column(rows, "merge")))
-        ],
-        ("worlds", _family),
+        asked(family=FAMILIES, merge=merge),
+        IN_WORLDS,
         ("D_m", "{merge} m"),
         ("vertices", of(rows, "{vertices:.0f}", connect=connect[-1])),
-        *((f"D_c = {metres} m", at(metres)) for metres in connect),
+        *((f"D_c = {metres} m", of(rows, joined, connect=metres)) for metres in connect),
     )
 
 
@@ -144,9 +136,9 @@ def queries(rows: Rows) -> str:
     series = [_series(rows, row) for row in matching(rows, block=0)]
     return listing(
         [blocks[0] | {"queries": len(blocks) * count, "end": blocks[-1]} for blocks in series],
-        ("agent", lambda row: AGENTS[row["agent"]]),
+        ("agent", called("agent", AGENTS)),
         ("perception", lambda row: "" if row["vertices"] is None else row["perception"]),
-        ("worlds", _family),
+        IN_WORLDS,
         (f"first {count} queries", success),
         ("queries", "{queries}"),
         (f"the last {count} of them", lambda row: success(row["end"])),
@@ -160,35 +152,29 @@ def blocks(rows: Rows) -> str:
     """Success of the agents that run many queries, block by block."""
     count, last = count_of(rows[0]), max(column(rows, "block"))
     series = [_series(rows, row) for row in matching(rows, block=0)]
-    lines = [
-        [AGENTS[some[0]["agent"]], _family(some[0]), *(percent(row["success"], 0) for row in some)]
-        for some in series
-        if len(some) > 1
-    ]
-    head = [f"to {count * (block + 1)}" for block in range(last + 1)]
-    return table(
-        ["agent", "worlds", *head], [line + [""] * (last + 3 - len(line)) for line in lines]
+
+    def at(block: int) -> Text:
+        return lambda row: "".join(percents(row["shares"][block : block + 1], 0))
+
+    return listing(
+        [some[0] | {"shares": column(some, "success")} for some in series if len(some) > 1],
+        ("agent", called("agent", AGENTS)),
+        IN_WORLDS,
+        *((f"to {count * (block + 1)}", at(block)) for block in range(last + 1)),
     )
 
 
 def spurious(rows: Rows) -> str:
     """Success by block, for each share, with and without updates."""
     numbers = sorted(set(column(rows, "block")))
-    keys = ("share", "updates", "perception", "family")
-    ends = matching(rows, block=numbers[-1])
-
-    def in_block(number: int) -> Text:
-        def text(row: Row) -> str:
-            return percent(one(rows, block=number, **{key: row[key] for key in keys})["success"])
-
-        return text
-
+    same = ("share", "updates", "perception", "family")
+    in_block = {n: of(rows, "{success:.1%}", *same, block=n) for n in numbers}
     return listing(
-        ends,
+        matching(rows, block=numbers[-1]),
         ("spoilt", "{share:.0%}"),
         ("updates", "{updates}"),
-        ("worlds", _family),
-        *((f"{50 * n + 1} to {50 * (n + 1)}", in_block(n)) for n in numbers),
+        IN_WORLDS,
+        *((f"{50 * n + 1} to {50 * (n + 1)}", text) for n, text in in_block.items()),
         ("injected, gone", lambda row: percent(row["injected_gone"], 0)),
         ("true, pruned", lambda row: percent(row["true_pruned"])),
     )
@@ -196,21 +182,16 @@ def spurious(rows: Rows) -> str:
 
 def change(rows: Rows) -> str:
     """Success, and seconds of a drive, in the first and the last queries of each phase."""
-    last = max(column(rows, "block"))
+    count, last = count_of(rows[0]), max(column(rows, "block"))
 
-    def within(phase: str, block: int) -> Text:
-        def text(row: Row) -> str:
-            there = one(rows, agent=row["agent"], phase=phase, block=block)
-            return f"{percent(there['success'], 0)}, {number(there['seconds'], 0)} s"
+    def text(row: Row) -> str:
+        return f"{percent(row['success'], 0)}, {number(row['seconds'], 0)} s"
 
-        return text
-
-    count = count_of(rows[0])
     return listing(
         matching(rows, block=0, phase=OPEN),
-        ("agent", lambda row: AGENTS[row["agent"]]),
+        ("agent", called("agent", AGENTS)),
         *(
-            (f"{phase}, {which} {count}", within(phase, block))
+            (f"{phase}, {which} {count}", of(rows, text, "agent", phase=phase, block=block))
             for phase in PHASES
             for which, block in (("first", 0), ("last", last))
         ),
@@ -225,11 +206,3 @@ def count_of(row: Row) -> int:
 def _series(rows: Rows, row: Row) -> Rows:
     """The blocks of the series that a row belongs to."""
     return matching(rows, **{key: row[key] for key in SERIES})
-
-
-def _family(row: Row) -> str:
-    return FAMILIES[row["family"]]
-
-
-def _share(key: str) -> Callable[[Row], str]:
-    return lambda row: interval(row, key, f"{key}_low", f"{key}_high")

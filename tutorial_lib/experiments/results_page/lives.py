@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.race.ten_visits import CHANGED, PARTS, STAYS
-from tutorial_lib.experiments.results_page.markdown import Row, interval, percent
+from tutorial_lib.experiments.results_page.markdown import Row, percent
 from tutorial_lib.experiments.results_page.tables import (
-    Text,
+    called,
     listing,
     matching,
-    one,
+    of,
+    share,
     success,
 )
 
@@ -45,12 +46,16 @@ FIRST, LAST, ALL = PARTS
 
 def lives(rows: Rows) -> str:
     """Success and SPL of every agent by visits, and where the goal had been passed or not."""
+
+    def gap(row: Row) -> str:
+        return "" if row["agent"] == rows[0]["agent"] else share("gap")(row)
+
     return listing(
         matching(rows, visits=LAST),
         ("agent", lambda row: AGENTS.get(row["agent"], row["agent"])),
-        (f"visits {FIRST}", _in(rows, FIRST)),
-        (f"visits {LAST}", _in(rows, LAST)),
-        (f"combined - this, visits {LAST}", lambda row: "" if _is_first(rows, row) else _gap(row)),
+        (f"visits {FIRST}", of(rows, _success_and_spl, "agent", visits=FIRST)),
+        (f"visits {LAST}", _success_and_spl),
+        (f"combined - this, visits {LAST}", gap),
         (f"actions, visits {LAST}", "{steps:,.0f}"),
         ("goal passed before", lambda row: _where(row, "passed")),
         ("goal never passed", lambda row: _where(row, "missed")),
@@ -61,9 +66,9 @@ def carried(rows: Rows) -> str:
     """Lives with a carry: success, and how soon a robot finds itself again."""
     return listing(
         matching(rows, visits=ALL),
-        ("agent", lambda row: AGENTS[row["agent"]]),
-        ("all visits", _in(rows, ALL)),
-        (f"visits {LAST}", _in(rows, LAST)),
+        ("agent", called("agent", AGENTS)),
+        ("all visits", _success_and_spl),
+        (f"visits {LAST}", of(rows, _success_and_spl, "agent", visits=LAST)),
         ("found again", lambda row: _soon(row, "again")),
         ("the same, put down where it had been", lambda row: _soon(row, "again_known")),
         ("wrongly", lambda row: percent(row["again_wrong"])),
@@ -73,39 +78,19 @@ def carried(rows: Rows) -> str:
 def changed(rows: Rows) -> str:
     """Lives in a building that changes, beside the same lives where it stays."""
     later = matching(rows, visits=LAST)
-
-    def beside(kind: str) -> Text:
-        def text(row: Row) -> str:
-            found = one(later, agent=row["agent"], building=kind)
-            return f"{success(found)}, SPL {found['spl']:.2f}"
-
-        return text
-
+    stays = of(later, _success_and_spl, "agent", building=STAYS)
     return listing(
         matching(later, building=CHANGED),
-        ("agent", lambda row: AGENTS[row["agent"]]),
-        (f"the building stays, visits {LAST}", beside(STAYS)),
-        (f"it changes, visits {LAST}", beside(CHANGED)),
-        ("stays - changes", _gap),
+        ("agent", called("agent", AGENTS)),
+        (f"the building stays, visits {LAST}", stays),
+        (f"it changes, visits {LAST}", _success_and_spl),
+        ("stays - changes", share("gap")),
     )
 
 
-def _in(rows: Rows, visits: str) -> Text:
-    """Success with its interval, and SPL, in some visits of an agent."""
-
-    def text(row: Row) -> str:
-        found = one(rows, agent=row["agent"], visits=visits)
-        return f"{success(found)}, SPL {found['spl']:.2f}"
-
-    return text
-
-
-def _is_first(rows: Rows, row: Row) -> bool:
-    return row["agent"] == rows[0]["agent"]
-
-
-def _gap(row: Row) -> str:
-    return interval(row, "gap", "gap_low", "gap_high")
+def _success_and_spl(row: Row) -> str:
+    """Success with its interval, and SPL."""
+    return f"{success(row)}, SPL {row['spl']:.2f}"
 
 
 def _where(row: Row, name: str) -> str:

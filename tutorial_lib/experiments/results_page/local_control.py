@@ -8,13 +8,14 @@ from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Best,
-    by,
+    asked,
+    called,
     column,
-    listing,
     named,
     one,
     pivot,
     success,
+    table_of,
     transposed,
     without,
 )
@@ -56,8 +57,6 @@ VARIANTS = {
     "worlds48": "48 training worlds",
     "rows64": "64 rows of pixels, not 16",
 }
-
-
 BEST_SUCCESS = Best(success, without(BOUNDS, "controller", "success"))
 
 
@@ -65,22 +64,30 @@ def table_1(rows: Rows) -> str:
     """Success of each controller under each condition, beside the paper's."""
     clean = named(rows, "controller", CONTROLLERS, condition="clean")
     reported = [percent(row["paper"], 0) for row in clean]
-    here = pivot(rows, by("condition", CONDITIONS), by("controller", CONTROLLERS), BEST_SUCCESS)
+    here = pivot(rows, asked(condition=CONDITIONS), asked(controller=CONTROLLERS), BEST_SUCCESS)
     head = ["controller", "paper, clean", *CONDITIONS.values()]
     return table(head, transposed([CONTROLLERS.values(), reported, *here]))
 
 
-def breakdown(rows: Rows) -> str:
-    """Success of each controller in the clean condition, by where the target is."""
-    return listing(
-        named(rows, "controller", CONTROLLERS, condition="clean"),
-        ("controller, clean", "{name}"),
-        *(
-            (words, Best(f"{{{key}:.1%}}", without(BOUNDS, "controller", key)))
-            for key, words in BREAKDOWN.items()
-        ),
-        ("collided", "{collided:.1%}"),
-    )
+breakdown = table_of(
+    ("controller, clean", "{name}"),
+    *(
+        (words, Best(f"{{{key}:.1%}}", without(BOUNDS, "controller", key)))
+        for key, words in BREAKDOWN.items()
+    ),
+    ("collided", "{collided:.1%}"),
+    names=("controller", CONTROLLERS),
+    condition="clean",
+)
+"""Success of each controller in the clean condition, by where the target is."""
+variants = table_of(
+    ("variant", called("variant", VARIANTS)),
+    ("parameters", "{parameters:,}"),
+    ("training worlds", "{worlds}"),
+    ("median error of a waypoint", Best("{median_m:.2f} m", "median_m", least=True)),
+    ("reached", Best(success, "success")),
+)
+"""Success of each variant of an ablation, and the error of its waypoints."""
 
 
 def on_maps(maps: Mapping[str, Rows], condition: str) -> str:
@@ -89,21 +96,9 @@ def on_maps(maps: Mapping[str, Rows], condition: str) -> str:
     for name, rows in maps.items():
         episodes = one(rows, controller="oracle", condition=condition)["episodes"]
         head.append(f"{name}, {episodes} episodes")
-        asked = [{"condition": condition}]
-        columns += pivot(rows, asked, by("controller", CONTROLLERS), BEST_SUCCESS)
+        across = asked(controller=CONTROLLERS)
+        columns += pivot(rows, asked(condition=[condition]), across, BEST_SUCCESS)
     return table(head, transposed(columns))
-
-
-def variants(rows: Rows) -> str:
-    """Success of each variant of an ablation, and the error of its waypoints."""
-    return listing(
-        rows,
-        ("variant", lambda row: VARIANTS[row["variant"]]),
-        ("parameters", "{parameters:,}"),
-        ("training worlds", "{worlds}"),
-        ("median error of a waypoint", Best("{median_m:.2f} m", "median_m", least=True)),
-        ("reached", Best(success, "success")),
-    )
 
 
 def smoothing(worlds: Mapping[str, Rows]) -> str:
@@ -112,8 +107,8 @@ def smoothing(worlds: Mapping[str, Rows]) -> str:
     controllers, shares = (dict.fromkeys(column(rows, key)) for key in ("controller", "share"))
     lines = [[CONTROLLERS[name]] for name in controllers]
     for found in worlds.values():
-        asked = by("controller", controllers), by("share", shares)
-        for line, cells in zip(lines, pivot(found, *asked, Best(success, "success")), strict=True):
+        both = asked(controller=controllers), asked(share=shares)
+        for line, cells in zip(lines, pivot(found, *both, Best(success, "success")), strict=True):
             line += cells
     head = [f"{name}, share {share:g}" for name in worlds for share in shares]
     return table(["controller", *head], lines)

@@ -9,14 +9,14 @@ from tutorial_lib.experiments.meng2020.fig4 import FRAMES
 from tutorial_lib.experiments.results_page.markdown import percent, table
 from tutorial_lib.experiments.results_page.tables import (
     Best,
-    by,
+    asked,
     column,
     lines_of,
-    listing,
     matching,
     named,
     one,
     pivot,
+    table_of,
 )
 
 STAGES = {
@@ -29,31 +29,35 @@ SIZES = (10_000, 20_000, 50_000, 100_000)
 """Of Fig. 13, at which the table shows the maps."""
 METHODS = {"indexed": "indexed", "exhaustive": "all pairs"}
 
-
-def stages(rows: Rows) -> str:
-    """Size of one map at the stages of its construction."""
-    return listing(
-        named(rows, "stage", STAGES),
-        ("map", "{name}"),
-        ("vertices", "{vertices:,}"),
-        ("edges", "{edges:,}"),
-    )
-
-
-def whole_maps(rows: Rows) -> str:
-    """Size of the whole maps."""
-    return listing(
-        rows,
-        ("world", lambda row: f"{row['family'].replace('_', ' ')} {row['world']}"),
-        ("area", "{area} m²"),
-        *((key, f"{{{key}:,}}") for key in ("images", "vertices", "edges")),
-    )
+stages = table_of(
+    ("map", "{name}"),
+    ("vertices", "{vertices:,}"),
+    ("edges", "{edges:,}"),
+    names=("stage", STAGES),
+)
+"""Size of one map at the stages of its construction."""
+whole_maps = table_of(
+    ("world", lambda row: f"{row['family'].replace('_', ' ')} {row['world']}"),
+    ("area", "{area} m²"),
+    *((key, f"{{{key}:,}}") for key in ("images", "vertices", "edges")),
+)
+"""Size of the whole maps."""
+COST = (
+    ("map", "{map}"),
+    ("vertices", "{vertices:,}"),
+    ("method", "{name}"),
+    ("s per trajectory", Best("{seconds_per_trajectory:,.2f}", "seconds_per_trajectory", True)),
+    ("queries", "{queries:,}"),
+    ("edges found", lambda row: percent(row["recall"], 2)),
+    ("ms per plan", Best("{plan_ms:,.0f}", "plan_ms", least=True)),
+)
+"""Columns of the table of what a map costs."""
 
 
 def growth(rows: Rows) -> str:
     """Vertices of the map of each world after so many frames."""
     worlds = dict.fromkeys(column(rows, "world"))
-    cells = pivot(rows, by("world", worlds), by("frames", SIZES), "{vertices:,}")
+    cells = pivot(rows, asked(world=worlds), asked(frames=SIZES), "{vertices:,}")
     lines = [[str(world), *line] for world, line in zip(worlds, cells, strict=True)]
     return table(["world", *(f"{n:,} frames" for n in SIZES)], lines)
 
@@ -69,20 +73,8 @@ def growths(rows: Rows) -> list[float]:
 
 def cost(rows: Rows) -> str:
     """What a trajectory and a plan cost at every size, with the index and without it."""
-    columns = (
-        ("map", "{map}"),
-        ("vertices", "{vertices:,}"),
-        ("method", "{name}"),
-        (
-            "s per trajectory",
-            Best("{seconds_per_trajectory:,.2f}", "seconds_per_trajectory", least=True),
-        ),
-        ("queries", "{queries:,}"),
-        ("edges found", lambda row: percent(row["recall"], 2)),
-        ("ms per plan", Best("{plan_ms:,.0f}", "plan_ms", least=True)),
-    )
-    lines = [line for pair in pairs(rows) for line in lines_of(pair, *columns)]
-    return table([head for head, _ in columns], lines)
+    lines = [line for pair in pairs(rows) for line in lines_of(pair, *COST)]
+    return table([head for head, _ in COST], lines)
 
 
 def pairs(rows: Rows) -> list[Rows]:

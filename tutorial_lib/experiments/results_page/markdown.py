@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 Row = dict[str, Any]
@@ -115,15 +115,6 @@ def capital(text: str) -> str:
     "A path of Meng's"
     """
     return f"{text[0].upper()}{text[1:]}"
-
-
-def slashed(texts: Iterable[str]) -> str:
-    """Texts side by side in one cell.
-
-    >>> slashed(["12.0%", "40.0%"])
-    '12.0% / 40.0%'
-    """
-    return " / ".join(texts)
 
 
 def span(values: Sequence[float], digits: int = 1) -> str:

@@ -13,14 +13,17 @@ from tutorial_lib.experiments.results_page.sources import Results, goal_words
 from tutorial_lib.experiments.results_page.tables import (
     Best,
     Text,
-    by,
+    asked,
+    called,
     column,
     listing,
     matching,
+    of,
     one,
     pivot,
     success,
     success_count,
+    table_of,
     total,
     without,
 )
@@ -35,8 +38,9 @@ ENDINGS = {
     "stuck": "stuck",
     "late": "out of time",
 }
+AGENT = ("agent", called("method", METHODS))
 THRESHOLDS = (
-    ("agent", lambda row: METHODS[row["method"]]),
+    AGENT,
     ("threshold", "{threshold:g}"),
     ("replans", lambda row: "yes" if row["replans"] else "no"),
     ("vertices", "{vertices:,}"),
@@ -45,6 +49,17 @@ THRESHOLDS = (
     ("success", success_count),
 )
 """Columns of the tables of thresholds."""
+thresholds = table_of(*THRESHOLDS)
+"""Success and map size for every threshold."""
+chosen = table_of(*THRESHOLDS, ("composed", "{success_composed:.1%}"))
+"""The same, with success in composed trials behind it."""
+fewer_trajectories = table_of(
+    ("trajectories", "{share:.0%}"),
+    ("success", success_count),
+    ("repeating alone", lambda row: counted(row["no_generalisation"], row["trials"])),
+    ("vertices, mean", "{vertices:,.1f}"),
+)
+"""Success with a part of the trajectories."""
 
 
 def success_by_world(rows: Rows) -> str:
@@ -84,52 +99,31 @@ def failures(rows: Rows) -> str:
     return listing(
         [row for row in rows if row["method"] not in BOUNDS],
         ("world", _world),
-        ("agent", lambda row: METHODS[row["method"]]),
+        AGENT,
         ("trials", "{trials}"),
         *((words, _ended(ending)) for ending, words in ENDINGS.items()),
     )
 
 
-def thresholds(rows: Rows) -> str:
-    """Success and map size for every threshold."""
-    return listing(rows, *THRESHOLDS)
-
-
-def chosen(rows: Rows) -> str:
-    """The same, with success in composed trials behind it."""
-    return listing(rows, *THRESHOLDS, ("composed", "{success_composed:.1%}"))
-
-
 def goal_images(rows: Rows, others: Rows) -> str:
-    """Success by what shows the goal and by p_goal, and what is refused.
-
-    Args:
-        rows: of trials in buildings whose drives were all learned.
-        others: of the same after a tour.
-    """
+    """Success by what shows the goal and by p_goal; `others` are of the same after a tour."""
 
     def composed(row: Row) -> str:
-        other = one(others, goal_images=row["goal_images"], p_goal=row["p_goal"])
-        return counted(other["success_composed"], other["trials_composed"])
+        return counted(row["success_composed"], row["trials_composed"])
 
     return listing(
         rows,
         ("goal", "{goal_images}"),
         ("p_goal", "{p_goal:g}"),
         ("success", success_count),
-        ("composed, after a tour", composed),
+        ("composed, after a tour", of(others, composed, "goal_images", "p_goal")),
         ("refused", "{refused:.1%}"),
         ("goals elsewhere refused", "{refused_strange:.1%}"),
     )
 
 
 def composed_trials(results: Results, names: Mapping[str, str]) -> str:
-    """Success in composed trials for what was learned, over all worlds of each report.
-
-    Args:
-        results: the reports.
-        names: of the reports, by what is written in the first column.
-    """
+    """Success in composed trials, over all worlds of the reports that have `names` here."""
     lines = []
     for label, name in names.items():
         rows = results.rows(name, method="meng")
@@ -175,17 +169,6 @@ def goals_of(results: Results, names: Mapping[str, str]) -> str:
     return " ".join(f"{listed(labels).capitalize()}: {words}" for words, labels in said.items())
 
 
-def fewer_trajectories(rows: Rows) -> str:
-    """Success with a part of the trajectories."""
-    return listing(
-        rows,
-        ("trajectories", "{share:.0%}"),
-        ("success", success_count),
-        ("repeating alone", lambda row: counted(row["no_generalisation"], row["trials"])),
-        ("vertices, mean", "{vertices:,.1f}"),
-    )
-
-
 def composed_of(rows: Rows) -> list[int]:
     """How many consecutive vertices a path has from each trajectory that it follows."""
     return [len(list(part)) for _, part in groupby(column(rows, "trajectory"))]
@@ -208,14 +191,14 @@ def total_vertices(rows: Rows, method: str = "meng", places: Collection[int] = (
 def _by_world(rows: Rows) -> list[list[str]]:
     """A line for each world: its name, and the success of every method."""
     worlds = matching(rows, method="meng")
-    cells = _of_methods(rows, by("world", column(worlds, "world")), success)
+    cells = _of_methods(rows, asked(world=column(worlds, "world")), success)
     return [[_world(row), *line] for row, line in zip(worlds, cells, strict=True)]
 
 
 def _of_methods(rows: Rows, lines: Sequence[Row], text: Text) -> list[list[str]]:
     """Success of every method, the best map's bold."""
     judged = without(BOUNDS, "method", "success")
-    return pivot(rows, lines, by("method", METHODS), Best(text, judged))
+    return pivot(rows, lines, asked(method=METHODS), Best(text, judged))
 
 
 def _ended(ending: str) -> Text:

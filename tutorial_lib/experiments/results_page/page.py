@@ -35,19 +35,8 @@ BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
 PAGE = "tutorial_lib/results/README.md"
 """The page, seen from the project's README."""
 CHAPTERS = (
-    local_control,
-    reachability,
-    following,
-    maps,
-    navigation,
-    probability,
-    aliasing,
-    lifelong,
-    exploring,
-    lives,
-    worlds,
-    speed,
-    papers,
+    *(local_control, reachability, following, maps, navigation, probability, aliasing),
+    *(lifelong, exploring, lives, worlds, speed, papers),
 )
 """Modules of their tables; each has a template of its name."""
 

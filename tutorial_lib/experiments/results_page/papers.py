@@ -9,7 +9,7 @@ from tutorial_lib.experiments.nts.table2 import PAPER_STANDARD
 from tutorial_lib.experiments.results_page import exploring
 from tutorial_lib.experiments.results_page.markdown import Row, link, listed, percents, points
 from tutorial_lib.experiments.results_page.sources import Results
-from tutorial_lib.experiments.results_page.tables import Text, by, matching, pivot
+from tutorial_lib.experiments.results_page.tables import Text, asked, matching, pivot
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.world.generators import SIGNS
 
@@ -53,7 +53,7 @@ def reported(agent: str, sensor: str) -> str:
 def reached(results: Results, agent: str, sensor: str) -> str:
     """Success by difficulty in ours, in plain worlds / with signs."""
     rows = matching(exploring.all_agents(results), agent=agent, sensor=sensor)
-    cells = pivot(rows, by("signs", SIGNS), by("difficulty", DIFFICULTIES), "{success:.0%}")
+    cells = pivot(rows, asked(signs=SIGNS), asked(difficulty=DIFFICULTIES), "{success:.0%}")
     return " / ".join(", ".join(line) for line in cells)
 
 
@@ -69,7 +69,7 @@ def gains(results: Results, agent: str, condition: str) -> str:
 
 def from_one_to_ten(rows: Rows, text: Text) -> str:
     """What is said of one goal and of ten one after another, in plain worlds / with signs."""
-    cells = pivot(rows, by("signs", SIGNS), by("goals", (1, 10)), text)
+    cells = pivot(rows, asked(signs=SIGNS), asked(goals=(1, 10)), text)
     return " / ".join(" to ".join(line) for line in cells)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import counted, number, percent
-from tutorial_lib.experiments.results_page.tables import listing, matching, named, success
+from tutorial_lib.experiments.results_page.tables import listing, matching, success, table_of
 
 FAULTS = {
     "none": "nobody there",
@@ -27,13 +27,12 @@ def plan_probabilities(rows: Rows) -> str:
     )
 
 
-def outcomes_of_faults(rows: Rows) -> str:
-    """How often a place is reached, or a goal refused."""
-    return listing(
-        named(rows, "fault", FAULTS),
-        ("fault", "{name}"),
-        ("reached", lambda row: counted(row["reached"], row["trials"])),
-        ("refused", lambda row: counted(row["refused"], row["trials"])),
-        ("plans, mean", lambda row: number(row["plans"], 1)),
-        ("probability, mean", lambda row: percent(row["probability"])),
-    )
+outcomes_of_faults = table_of(
+    ("fault", "{name}"),
+    ("reached", lambda row: counted(row["reached"], row["trials"])),
+    ("refused", lambda row: counted(row["refused"], row["trials"])),
+    ("plans, mean", lambda row: number(row["plans"], 1)),
+    ("probability, mean", lambda row: percent(row["probability"])),
+    names=("fault", FAULTS),
+)
+"""How often a place is reached, or a goal refused."""

@@ -5,7 +5,14 @@ from __future__ import annotations
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.reachability import SURE
 from tutorial_lib.experiments.results_page.markdown import Row, counted, number_interval
-from tutorial_lib.experiments.results_page.tables import Best, Text, listing, named, without
+from tutorial_lib.experiments.results_page.tables import (
+    Best,
+    Text,
+    listing,
+    named,
+    table_of,
+    without,
+)
 
 ESTIMATORS = {
     "k0": "RE, k = 0",
@@ -22,30 +29,34 @@ PRECISION = {"mix": "mixed pairs", "consecutive": "consecutive anchors", "map": 
 """Pairs about which an estimator is sure."""
 
 
-def discrimination(rows: Rows) -> str:
-    """AUC and calibration error of every estimator."""
-
-    def best(key: str) -> Best:
-        judged = without(KNOWING, "estimator", key)
-        return Best(lambda row: number_interval(row, key), judged, least=key == "ece")
-
-    return listing(
-        named(rows, "estimator", ESTIMATORS),
-        ("estimator", "{name}"),
-        ("AUC", best("auc")),
-        ("AUC of the true geometry", "{geometry_auc:.3f}"),
-        ("ECE", best("ece")),
-    )
+def _best(key: str) -> Best:
+    judged = without(KNOWING, "estimator", key)
+    return Best(lambda row: number_interval(row, key), judged, least=key == "ece")
 
 
-def precision(rows: Rows) -> str:
-    """Share of sure predictions that come true, and of far pairs that are predicted likely."""
-    return listing(
-        named(rows, "estimator", ESTIMATORS),
-        ("estimator", "{name}"),
-        *((words, _precision(kind)) for kind, words in PRECISION.items()),
-        ("far pairs above 0.9", _far_above),
-    )
+def _precision(kind: str) -> Text:
+    return lambda row: counted(row[f"precision_{kind}"], row[f"sure_{kind}"])
+
+
+def _far_above(row: Row) -> str:
+    return counted(row["far_above_09"], row["far"], 2)
+
+
+discrimination = table_of(
+    ("estimator", "{name}"),
+    ("AUC", _best("auc")),
+    ("AUC of the true geometry", "{geometry_auc:.3f}"),
+    ("ECE", _best("ece")),
+    names=("estimator", ESTIMATORS),
+)
+"""AUC and calibration error of every estimator."""
+precision = table_of(
+    ("estimator", "{name}"),
+    *((words, _precision(kind)) for kind, words in PRECISION.items()),
+    ("far pairs above 0.9", _far_above),
+    names=("estimator", ESTIMATORS),
+)
+"""Share of sure predictions that come true, and of far pairs that are predicted likely."""
 
 
 def in_halls(everywhere: Rows, halls: Rows) -> str:
@@ -65,11 +76,3 @@ def in_halls(everywhere: Rows, halls: Rows) -> str:
         (f"right above {SURE:g}", _precision("mix")),
         ("far above 0.9", _far_above),
     )
-
-
-def _precision(kind: str) -> Text:
-    return lambda row: counted(row[f"precision_{kind}"], row[f"sure_{kind}"])
-
-
-def _far_above(row: Row) -> str:
-    return counted(row["far_above_09"], row["far"], 2)

@@ -36,11 +36,7 @@ def section_of(
 ) -> Section:
     """A section, with the commands of its sources, if it has any, below its first paragraph.
 
-    Args:
-        results: the reports.
-        title: of the section.
-        sources: names of the reports that it shows.
-        body: makes the section's text in Markdown, without heading and commands.
+    `body` makes its text in Markdown, without heading and commands.
 
     Raises:
         InputError: naming the reports that were read, if one lacks a row, a column or a note.
@@ -55,12 +51,9 @@ def section_of(
 def blaming(results: Results, sources: tuple[str, ...] = ()) -> Iterator[None]:
     """Reports that are read within are to blame for what goes wrong there.
 
-    Args:
-        results: the reports.
-        sources: names of those to be named first.
-
     Raises:
-        InputError: naming the reports and their commands, if one lacks a row, a column or a note.
+        InputError: naming the reports, `sources` first, and their commands, if one lacks a row, a
+            column or a note.
     """
     results.read.clear()
     try:

@@ -47,39 +47,24 @@ def stored_as(drives: str, ablation: str = "") -> str:
     return f"meng_table2_{ablation or 'drives'}_{drives.replace('.', '')}"
 
 
-def _with_drives() -> dict[str, str]:
-    """The commands of Table II and of its thresholds with `--drives`."""
-    worlds, ablation = "--worlds 20000:20010", "--ablation thresholds"
-    commands = {drives: f"experiment meng_table2 {worlds} --drives {drives}" for drives in LEARNED}
-    chosen = {drives: f"experiment meng_table2 {ablation} --drives {drives}" for drives in DRIVES}
-    return {
-        **{stored_as(drives): command for drives, command in commands.items()},
-        **{stored_as(drives, "thresholds"): command for drives, command in chosen.items()},
-    }
-
-
+WORLDS, SMOOTHING = "--worlds 20000:20010", "meng_table1 --ablation smoothing"
+"""What several commands have in common."""
 EXPERIMENTS = {
     "plans": "experiment plans",
     "nts_wayfinding": "experiment nts_wayfinding",
     "meng_table1": "experiment meng_table1",
     **{f"meng_table1_{name}": f"experiment meng_table1 --map {name}.yaml" for name in MAPS},
     **{
-        f"meng_table1_{name}": f"experiment meng_table1 --family {name} --worlds 20000:20010"
+        f"meng_table1_{name}": f"experiment meng_table1 --family {name} {WORLDS}"
         for name in OTHER_FAMILIES
     },
     **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
-    "ablation_smoothing": "experiment meng_table1 --ablation smoothing",
-    "ablation_smoothing_hall": (
-        "experiment meng_table1 --ablation smoothing --family hall --worlds 20000:20010"
-    ),
-    **{
-        f"ablation_smoothing_{m}": f"experiment meng_table1 --ablation smoothing --map {m}.yaml"
-        for m in MAPS
-    },
+    "ablation_smoothing": f"experiment {SMOOTHING}",
+    "ablation_smoothing_hall": f"experiment {SMOOTHING} --family hall {WORLDS}",
+    **{f"ablation_smoothing_{name}": f"experiment {SMOOTHING} --map {name}.yaml" for name in MAPS},
     "calibration": "experiment calibration --family all",
     "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
-    **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
-    **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
+    **{f"meng_fig{n}": f"experiment meng_fig{n}" for n in (4, 5, 6, 7, 8, 9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
     "meng_table2": "experiment meng_table2",
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
@@ -89,16 +74,21 @@ EXPERIMENTS = {
         "experiment meng_table2 --ablation goal_images --drives tour --worlds 10000:10003"
     ),
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
-    **_with_drives(),
-    HARDER: (
-        "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
-    ),
+    **{
+        stored_as(drives): f"experiment meng_table2 {WORLDS} --drives {drives}"
+        for drives in LEARNED
+    },
+    **{
+        stored_as(drives, "thresholds"): (
+            f"experiment meng_table2 --ablation thresholds --drives {drives}"
+        )
+        for drives in DRIVES
+    },
+    HARDER: f"experiment meng_table2 {WORLDS} --drives tour --starts anywhere --goals turned",
     "meng_fig12": "experiment meng_fig12",
     "meng_fig12_localization": "experiment meng_fig12 --ablation localization",
     "meng_table2_remedies": "experiment meng_table2 --remedies all",
-    "meng_table2_remedies_02": (
-        "experiment meng_table2 --worlds 20000:20010 --drives 0.2 --remedies all"
-    ),
+    "meng_table2_remedies_02": f"experiment meng_table2 {WORLDS} --drives 0.2 --remedies all",
     "faults": "experiment faults",
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},

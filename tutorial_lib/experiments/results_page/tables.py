@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from tutorial_lib.experiments.common.report import Rows
@@ -81,6 +82,15 @@ def named(rows: Rows, key: str, names: Mapping[Any, str], **values: Any) -> Rows
     return [one(rows, **{key: name}, **values) | {"name": words} for name, words in names.items()]
 
 
+def called(key: str, names: Mapping[Any, str]) -> Callable[[Row], str]:
+    """What the page calls the value of a column.
+
+    >>> called("agent", {"nts": "NTS"})({"agent": "nts"})
+    'NTS'
+    """
+    return lambda row: names[row[key]]
+
+
 def without(bounds: Collection[str], name: str, key: str) -> Callable[[Row], float | None]:
     """By what rows are compared: the value of a column, for all but those with some names.
 
@@ -96,6 +106,15 @@ def success(row: Row) -> str:
     return interval(row, "success")
 
 
+def share(key: str) -> Callable[[Row], str]:
+    """A share whose interval is in columns named after its own; nothing for None.
+
+    >>> share("lost")({"lost": 0.5, "lost_low": 0.25, "lost_high": 0.75})
+    '50.0% (25.0 to 75.0)'
+    """
+    return lambda row: "" if row[key] is None else interval(row, key, f"{key}_low", f"{key}_high")
+
+
 def success_count(row: Row) -> str:
     """The share of trials that succeeded, with their count."""
     return counted(row["success"], row["trials"])
@@ -108,6 +127,29 @@ def success_and_spl(row: Row) -> str:
     '90.0% / 0.812'
     """
     return "{success:.1%} / {spl:,.3f}".format_map(row)
+
+
+def table_of(
+    *columns: tuple[str, Text | Best],
+    names: tuple[str, Mapping[Any, str]] | None = None,
+    **values: Any,  # noqa: ANN401 - any value of a row
+) -> Callable[[Rows], str]:
+    """A listing as a specification, which is called with the rows of a report.
+
+    Args:
+        columns: as of a listing.
+        names: a column whose values the lines have in the order of these names, see `named`.
+        values: of the rows that get a line.
+
+    >>> worlds = table_of(("world", "{world}"), ("share", "{share:.0%}"), light=True)
+    >>> print(worlds([{"world": 3, "share": 0.5, "light": True}, {"world": 4, "light": False}]))
+    | world | share |
+    |---|---|
+    | 3 | 50% |
+    """
+    if names is None:
+        return lambda rows: listing(matching(rows, **values), *columns)
+    return lambda rows: listing(named(rows, *names, **values), *columns)
 
 
 def listing(rows: Iterable[Row], *columns: tuple[str, Text | Best]) -> str:
@@ -135,20 +177,26 @@ def pivot(
     """Cells whose line and column say together which row they tell of.
 
     >>> rows = [{"world": w, "frames": n, "vertices": w + n} for w in (3, 4) for n in (10, 20)]
-    >>> pivot(rows, by("world", (3, 4)), by("frames", (10, 20)), "{vertices}")
+    >>> pivot(rows, asked(world=(3, 4)), asked(frames=(10, 20)), "{vertices}")
     [['13', '23'], ['14', '24']]
     """
     return [_cells([one(rows, **line, **keys) for keys in across], text) for line in lines]
 
 
-def of(rows: Rows, text: Text, **values: Any) -> Callable[[Row], str]:  # noqa: ANN401
-    """What a cell says of the only row that has all values of its line, and these.
+def of(rows: Rows, text: Text, *keys: str, **values: Any) -> Callable[[Row], str]:  # noqa: ANN401
+    """What a cell says of the only row that has these values, and those of its line.
+
+    Args:
+        rows: of a report.
+        text: of the row.
+        keys: columns of the line that count; all unless given.
+        values: that the row has besides.
 
     >>> steps = of([{"agent": "nts", "goals": 10, "spl": 0.5}], "{spl:.2f}", goals=10)
     >>> steps({"agent": "nts"})
     '0.50'
     """
-    return lambda line: said(text, one(rows, **line, **values))
+    return lambda line: said(text, one(rows, **{key: line[key] for key in keys or line}, **values))
 
 
 def said(text: Text, row: Row) -> str:
@@ -156,13 +204,13 @@ def said(text: Text, row: Row) -> str:
     return text.format_map(row) if isinstance(text, str) else text(row)
 
 
-def by(key: str, values: Iterable[Any]) -> list[Row]:
-    """What lines or columns ask for: each of some values of a column.
+def asked(**values: Iterable[Any]) -> Rows:
+    """What lines or columns ask for: all combinations of the values of some columns.
 
-    >>> by("method", ("meng", "sptm"))
-    [{'method': 'meng'}, {'method': 'sptm'}]
+    >>> asked(method=("meng", "sptm"), goals=(1,))
+    [{'method': 'meng', 'goals': 1}, {'method': 'sptm', 'goals': 1}]
     """
-    return [{key: value} for value in values]
+    return [dict(zip(values, found, strict=True)) for found in product(*values.values())]
 
 
 def transposed(cells: Iterable[Iterable[str]]) -> list[list[str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from inspect import getmembers, isfunction, ismethod
 from statistics import fmean
 from traceback import extract_tb
 from types import ModuleType
@@ -14,39 +15,15 @@ from jinja2.utils import missing
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
-from tutorial_lib.experiments.results_page import paper
+from tutorial_lib.experiments.results_page import markdown, paper, tables
 from tutorial_lib.experiments.results_page.library import LIBRARY
-from tutorial_lib.experiments.results_page.markdown import (
-    brief,
-    capital,
-    count,
-    link,
-    listed,
-    number,
-    percent,
-    percents,
-    points,
-    slashed,
-    span,
-)
 from tutorial_lib.experiments.results_page.section import Section, section_of
 from tutorial_lib.experiments.results_page.sources import MAPS, Results, goal_words
-from tutorial_lib.experiments.results_page.tables import (
-    column,
-    listing,
-    matching,
-    one,
-    total,
-)
 from tutorial_lib.world.worlds import TRAINING_SEEDS
 
 TEMPLATES = FOLDER / "page"
-FUNCTIONS = (
-    *(brief, capital, column, count, goal_words, link, listed, listing, matching, number),
-    *(one, percent, percents, points, slashed, span, total),
-    *(math.ceil, math.degrees, math.floor, max, min, sum),
-)
-"""What every template may call, besides `mean` and what it asks of the reports."""
+FUNCTIONS = (goal_words, math.ceil, math.degrees, math.floor, max, min, sum)
+"""What every template may call, besides `mean`, what makes tables, and the methods of `Results`."""
 
 
 class Missing(StrictUndefined):
@@ -63,6 +40,7 @@ ENVIRONMENT = Environment(
 )
 GIVEN: dict[str, Any] = {
     **LIBRARY,
+    **dict(getmembers(markdown, isfunction) + getmembers(tables, isfunction)),
     **{function.__name__: function for function in FUNCTIONS},
     "MAPS": MAPS,
     "TRAINING_SEEDS": TRAINING_SEEDS,
@@ -73,22 +51,13 @@ ENVIRONMENT.globals.update(GIVEN)
 
 
 def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
-    """What a template says of the reports.
-
-    Args:
-        results: the reports.
-        name: of the template, without its endings.
-        more: what it may use besides.
+    """What a template, named without its endings, says of the reports; it may use `more`.
 
     Raises:
         InputError: naming the template and the line, if it is not valid.
     """
     file = f"{name}.md.j2"
-    asked = (
-        *(results.rows, results.row, results.success, results.on_maps, results.on_each_map),
-        *(results.finding, results.findings, results.note, results.worlds),
-    )
-    given = {method.__name__: method for method in asked} | {"results": results} | more
+    given = dict(getmembers(results, ismethod)) | {"results": results} | more
     try:
         return ENVIRONMENT.get_template(file).render(given).strip("\n")
     except TemplateError as error:
@@ -99,14 +68,11 @@ def render(results: Results, name: str, **more: Any) -> str:  # noqa: ANN401
 
 
 def render_chapter(
-    results: Results, tables: ModuleType, only: str = ""
+    results: Results, chapter: ModuleType, only: str = ""
 ) -> tuple[str, list[Section]]:
-    """A chapter, and its sections.
+    """A chapter, and its sections: all, or `only` that of this title.
 
-    Args:
-        results: the reports.
-        tables: the module of the chapter's tables, which has the name of its template.
-        only: the title of a section, if no other is to be made.
+    The module of its tables has the name of its template.
     """
     found: list[Section] = []
 
@@ -116,5 +82,5 @@ def render_chapter(
         found.append(section_of(results, title, sources, caller))
         return f"{found[-1].text}\n"
 
-    name = tables.__name__.rpartition(".")[2]
-    return render(results, name, tables=tables, section=section), found
+    name = chapter.__name__.rpartition(".")[2]
+    return render(results, name, tables=chapter, section=section), found

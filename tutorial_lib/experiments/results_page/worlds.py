@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import Row, counted, interval, points
-from tutorial_lib.experiments.results_page.tables import listing, matching, one
+from tutorial_lib.experiments.results_page.tables import listing, matching, of, table_of
 
-
-def plans(rows: Rows) -> str:
-    """Valid plans of each family, and how an oracle drives in them."""
-    return listing(
-        rows,
-        ("family", lambda row: row["family"].replace("_", " ")),
-        ("valid plans", "{valid} of {plans}"),
-        ("goals reached", lambda row: counted(row["success"], row["drives"])),
-        ("walls crossed", "{walls_crossed}"),
-    )
+plans = table_of(
+    ("family", lambda row: row["family"].replace("_", " ")),
+    ("valid plans", "{valid} of {plans}"),
+    ("goals reached", lambda row: counted(row["success"], row["drives"])),
+    ("walls crossed", "{walls_crossed}"),
+)
+"""Valid plans of each family, and how an oracle drives in them."""
 
 
 def missed(rows: Rows) -> int:
@@ -25,10 +22,6 @@ def missed(rows: Rows) -> int:
 
 def signs(rows: Rows) -> str:
     """How often the best direction is chosen, with and without knowing the goal's picture."""
-
-    def blind(row: Row) -> str:
-        same = {key: row[key] for key in ("signs", "difficulty")}
-        return interval(one(rows, model="blind", **same), "top1")
 
     def gain(row: Row) -> str:
         return f"{points(row['gain'])} ({points(row['gain_low'])} to {points(row['gain_high'])})"
@@ -41,7 +34,11 @@ def signs(rows: Rows) -> str:
         ],
         ("worlds", "{signs}"),
         ("goals", "{difficulty}"),
-        ("blind", blind),
-        ("knows the goal's picture", lambda row: interval(row, "top1")),
+        ("blind", of(rows, _right, "signs", "difficulty", model="blind")),
+        ("knows the goal's picture", _right),
         ("gain", gain),
     )
+
+
+def _right(row: Row) -> str:
+    return interval(row, "top1")
