@@ -1,7 +1,5 @@
 """The check of sparsification, in notebook 04."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -120,34 +118,30 @@ each RE is compared for itself; do not average them
 """
 
 
+def _agreeing(got: NDArray[np.intp], want: NDArray[np.intp]) -> int:
+    """How many anchors agree before the first that differs."""
+    shorter = min(len(got), len(want))
+    return int(np.append(got[:shorter] != want[:shorter], True).argmax())
+
+
 def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
     """Which part of the rule the first wrong anchor breaks."""
-    i, mine, right = next(
-        (
-            (int(want[k - 1]) if k else -1, mine, right)
-            for k, (mine, right) in enumerate(zip(got, want, strict=False))
-            if mine != right
-        ),
-        (-1, -1, -1),
-    )
-    if len(got) < len(want) and mine == right:
+    same = _agreeing(got, want)
+    if same == len(got) < len(want):
         return "the last frame is always an anchor, however it is reached"
-    if not 0 <= i < mine:
+    if same in (0, len(want)) or got[same] <= want[same - 1]:
         return "the anchors rise from 0 to T - 1, each once"
-    if mine < right:
+    if got[same] < want[same]:
         return "go on as long as the next frame is above the threshold, however many those are"
+    i, words = want[same - 1], "frame i + 1 is above the threshold, it is the next anchor"
     if reach[i, i + 1] <= threshold:
-        return (
-            "where not even frame i + 1 is above the threshold, it is the next anchor all the same"
-        )
+        return f"where not even {words} all the same"
     return "stop before the first frame whose RE from i, as it is, is not above the threshold"
 
 
 def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
     """Where an answer first differs."""
-    same = 0
-    while same < min(len(got), len(want)) and got[same] == want[same]:
-        same += 1
+    same = _agreeing(got, want)
     if not len(got):
         return "no anchors; the first and the last frame always are"
     if same == 0:
@@ -180,8 +174,6 @@ _HINTS: dict[type[Exception], str] = {
     TypeError: "anchors are whole numbers, indices of frames",
     NameError: "is it spelt right?",
 }
-
-
 check_choose_anchors = exercise(
     choose_anchors,
     CASES,

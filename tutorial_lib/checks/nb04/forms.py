@@ -1,7 +1,5 @@
 """How answers to notebook 04 are called for, and what form they must have."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The check of the frames that anchors with their contexts need, in notebook 04."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -120,23 +118,19 @@ def _broken(
 
 
 def _difference(
-    got: NDArray[np.intp],
-    want: NDArray[np.intp],
-    anchors: NDArray[np.intp],
-    total: int,
-    k: int,
+    got: NDArray[np.intp], want: NDArray[np.intp], anchors: NDArray[np.intp], total: int, k: int
 ) -> str:
     """The first frame that is missing, or too many, and why."""
-    if len(set(got.tolist())) < len(got):
-        twice = got[np.flatnonzero(np.diff(got) == 0)[0]]
-        return f"frame {twice} comes twice"
-    for frame in np.setdiff1d(want, got).tolist():
-        steps = range(-k, k + 1)
+    twice, missing = got[1:][np.diff(got) == 0], np.setdiff1d(want, got)
+    if twice.size:
+        return f"frame {twice[0]} comes twice"
+    if missing.size:
+        steps, last = range(-k, k + 1), total - 1
         found = (
-            (a, s) for a in anchors for s in steps if np.clip(a + 3 * s, 0, total - 1) == frame
+            (a, s) for a in anchors for s in steps if np.clip(a + 3 * s, 0, last) == missing[0]
         )
         anchor, step = min(found, key=lambda pair: abs(pair[1]))
-        return f"frame {frame} is missing: anchor {anchor} {3 * step:+d} needs it"
+        return f"frame {missing[0]} is missing: anchor {anchor} {3 * step:+d} needs it"
     extra = np.setdiff1d(got, want)[0]
     words = f"from {-k} to {k} times 3 frames away, and from 0 to {total - 1}"
     return f"frame {extra} is too many; no anchor needs it: the frames of a context are {words}"

@@ -1,7 +1,5 @@
 """The check of the follower's state machine, in notebook 04."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -74,8 +72,8 @@ def _random_steps(count: int, seed: int) -> dict[str, tuple[Any, ...]]:
         if state == _S:
             active, visited, at = -1, -1, False
         waited = float((0.0, rules.timeout, rules.timeout + 0.1)[rng.integers(3)])
-        case = (state, active, visited, reach, overlap, at, waited, rules)
-        steps[f"step {number}, {state.name}"] = case
+        seen = active, visited, reach, overlap, at, rules
+        steps[f"step {number}, {state.name}"] = _step(state, seen, waited)
     return steps
 
 
@@ -225,10 +223,6 @@ def _formed(what: str, got: Any, *_: object) -> tuple[int, ...]:  # noqa: ANN401
     return (State(int(answer[0])), *map(int, answer[1:]))
 
 
-def _why(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
-    return came_back(got, want, _why_state(*case))
-
-
 def _broken(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
     """Which part of the rule an answer breaks."""
     state, active, _, reach, _, at = case[:6]
@@ -270,8 +264,8 @@ def _why_state(
         words = f"in Search the best RE is {reach[best]:g}, of anchor {best}"
         return f"{words}; rules.p_search = {rules.p_search:g}"
     if state == State.DEAD_RECKONING:
-        words = f"in dead reckoning for {waited:g} s (rules.timeout = {rules.timeout:g}), RE of"
-        words = f"{words} anchor {active} is {reach[active]:g}"
+        words = f"in dead reckoning for {waited:g} s (rules.timeout = {rules.timeout:g}), RE of "
+        words += f"anchor {active} is {reach[active]:g}"
         return f"{words} (rules.p_follow = {rules.p_follow:g}); the anchors stay"
     if at and active == len(reach) - 1:
         return "in Follow, at the last anchor; active and visited stay"
@@ -288,6 +282,6 @@ check_transition = exercise(
     example=CASES["Search, none reachable"],
     invoke=INVOKE,
     form=_formed,
-    difference=_why,
+    difference=lambda got, want, *case: came_back(got, want, _why_state(*case)),
     broken=_broken,
 )
