@@ -1,7 +1,5 @@
 """The check of the search along trajectories, in notebook 05."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,14 +13,7 @@ from tutorial_lib.viz.figures.panels import side_by_side
 
 
 def ask_next(reach: Array, before: Indices, after: Indices, p_edge: float) -> NDArray[np.bool_]:
-    """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories.
-
-    Args:
-        reach: (A, V) RE, NaN where not evaluated.
-        before: (V,) the vertex before each on its trajectory, -1 for none.
-        after: (V,) the vertex after each.
-        p_edge: RE above which a pair is sure.
-    """
+    """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories."""
     found = np.zeros(reach.shape, dtype=bool)
     rows, columns = np.nonzero(reach > p_edge)
     for step, beside in ((1, after), (-1, before), (0, after), (0, before)):
@@ -149,10 +140,6 @@ def _why(
     return f"({i}, {v}) must be queried"
 
 
-def _pairs(what: str, got: object, reach: Array, *_: object) -> NDArray[np.bool_]:
-    return mask(what, got, reach.shape)
-
-
 def _tables(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
     tables = [edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (want, got)]
     return side_by_side(tables, ["expected", "yours"], gap=30)
@@ -166,7 +153,7 @@ check_ask_next = exercise(
     about="Tables of which little, nothing or everything is known, and vertices in no order.",
     example=case(_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6),
     invoke=calling({IndexError: "beyond an end of a trajectory there is nothing to query"}),
-    form=_pairs,
+    form=lambda what, got, reach, *_: mask(what, got, reach.shape),
     difference=_why,
     broken=_broken,
     draw=_tables,

@@ -1,7 +1,5 @@
 """The check of which vertex takes the place of an anchor, in notebook 05."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -103,9 +101,7 @@ def _vertex(what: str, got: Any, into: Array, *_: object) -> int:  # noqa: ANN40
     if got is None:
         raise WrongAnswer(f"{what}: None came back; return -1 where no vertex fits")
     whole = isinstance(got, int | np.integer) and not isinstance(got, bool | np.bool_)
-    if isinstance(got, np.ndarray) and got.shape == () and got.dtype.kind == "i":
-        whole = True
-    if not whole:
+    if not (whole or (isinstance(got, np.ndarray) and got.shape == () and got.dtype.kind == "i")):
         shown = kind(got) if isinstance(got, np.ndarray | list) else repr(got)
         words = "return the index of one vertex, a whole number, or -1"
         raise WrongAnswer(f"{what}: {shown} came back; {words}")
@@ -140,6 +136,10 @@ def _why(
     return f"vertex {got} fits, but its product into * onward is only {products}"
 
 
+_HINTS: dict[type[Exception], str] = {
+    ValueError: "is there a vertex that fits? Ask .any() before argmax",
+    IndexError: "is there a vertex that fits? Ask .any() first",
+}
 check_reusable = exercise(
     reusable,
     CASES,
@@ -147,12 +147,7 @@ check_reusable = exercise(
     module=__name__,
     about="Anchors for which vertices fit, fit by half, may not be taken, or do not exist.",
     example=CASES["two fit"],
-    invoke=calling(
-        {
-            ValueError: "is there a vertex that fits? Ask .any() before argmax",
-            IndexError: "is there a vertex that fits? Ask .any() first",
-        }
-    ),
+    invoke=calling(_HINTS),
     form=_vertex,
     same=_as_good,
     difference=_why,
