@@ -1,7 +1,5 @@
 """Limits while a student's function is judged: time, memory and output."""
 
-from __future__ import annotations
-
 import ctypes
 import io
 import signal
