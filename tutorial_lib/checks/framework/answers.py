@@ -15,6 +15,7 @@ from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 
+Mask = NDArray[np.bool_]
 _COPIED = (np.ndarray, list, tuple, dict, set, nx.Graph)
 _PLAIN = (bool, int, float, complex, str, bytes, set, np.generic)
 

@@ -102,10 +102,6 @@ def compare(
     return picture
 
 
-def _plainly(what: str, function: Function, *case: Any) -> Any:  # noqa: ANN401
-    return function(*case)
-
-
 def _answer(
     function: Function, invoke: Function, form: Function, what: str, case: Sequence[Any]
 ) -> Any:  # noqa: ANN401
@@ -122,7 +118,8 @@ def _known(rule: Function, form: Function, what: str, case: Sequence[Any]) -> An
     """
     key = (*map(id, _parts(rule)), *map(id, case))
     if key not in _KNOWN:
-        _KNOWN[key] = _answer(rule, _plainly, form, what, case), rule, case
+        answer = _answer(rule, lambda _, function, *case: function(*case), form, what, case)
+        _KNOWN[key] = answer, rule, case
     return _KNOWN[key][0]
 
 

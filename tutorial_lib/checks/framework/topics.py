@@ -92,7 +92,10 @@ def judge_topics(
             if not words:
                 partly = _partly(given, right, faults, same)
                 words = f"{topic.words} ({difference(got, want, *case)}){partly}"
-            raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
+            picture = None
+            with suppress(Exception):  # the student's answers may be such that nobody can draw
+                picture = draw(student)
+            raise WrongAnswer(f"{what}: {words}", picture)
     if aliases:
         raise aliases[0]
     return draw(student)
@@ -191,10 +194,3 @@ def _equal(first: Any, second: Any) -> bool:  # noqa: ANN401 - arguments and ans
     if isinstance(first, tuple | list) and isinstance(second, tuple | list):
         return len(first) == len(second) and all(map(_equal, first, second))
     return first is second or np.array_equal(first, second)
-
-
-def _picture(draw: Function, student: Function) -> NDArray[np.uint8] | None:
-    """What is expected and yours; None where the student's answers cannot be drawn."""
-    with suppress(Exception):
-        return draw(student)
-    return None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.answers import Mask, numbers
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.comparison import close, farthest
 from tutorial_lib.checks.framework.topics import hint, topics
@@ -18,7 +18,7 @@ from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label as label_on
 from tutorial_lib.world.raycast import Raycaster
 
-Sees = Callable[[Array, Array], NDArray[np.bool_]]
+Sees = Callable[[Array, Array], Mask]
 """Which of points (C, 2) are in clear sight of a place (2,)."""
 
 
@@ -38,7 +38,7 @@ def waypoint_label(
 def clear_sight(caster: Raycaster) -> Sees:
     """The line-of-sight test of `waypoint_label` among the walls of a world."""
 
-    def sees(origin: Array, points: Array) -> NDArray[np.bool_]:
+    def sees(origin: Array, points: Array) -> Mask:
         points = np.asarray(points, dtype=float)
         return in_clear_sight(caster, np.broadcast_to(origin[:2], points.shape), points)
 
@@ -48,7 +48,7 @@ def clear_sight(caster: Raycaster) -> Sees:
 def _strict(sees: Sees) -> Sees:
     """A line-of-sight test that explains what it takes."""
 
-    def explained(place: Array, points: Array) -> NDArray[np.bool_]:
+    def explained(place: Array, points: Array) -> Mask:
         words = ""
         if np.shape(place) != (2,):
             words = f"takes a place (2,) first, not an array {np.shape(place)}: start[:2]"
@@ -70,7 +70,7 @@ def _only(track: Array, frames: list[int]) -> Sees:
     """As if these frames of a trajectory alone were in sight."""
     places = track[frames, :2].reshape(-1, 2)
 
-    def sees(place: Array, points: Array) -> NDArray[np.bool_]:
+    def sees(place: Array, points: Array) -> Mask:
         gaps = np.linalg.norm(np.asarray(points)[:, None] - places, axis=2)
         return (gaps < 1e-9).any(axis=1)
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.answers import Mask, parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb03.forms import calling, vector
@@ -20,7 +20,7 @@ class Pool:
 
     probability: Array
     starts: NDArray[np.intp]
-    occluded: NDArray[np.bool_]
+    occluded: Mask
     labels: Array
     outcomes: Array
     sure: float = 0.5
@@ -29,7 +29,7 @@ class Pool:
     share: float = 0.3
 
     @property
-    def new(self) -> NDArray[np.bool_]:
+    def new(self) -> Mask:
         """(P,) not rolled out, and predicted with more than `sure`."""
         return np.isnan(self.labels) & (self.probability > self.sure)
 
@@ -113,7 +113,7 @@ Pairs = NDArray[np.intp]
 def mine_pairs(
     probability: Array,
     starts: Pairs,
-    occluded: NDArray[np.bool_],
+    occluded: Mask,
     labels: Array,
     roll_out: Callable[[Pairs], Array],
     sure: float,

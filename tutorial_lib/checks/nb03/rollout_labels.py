@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.answers import Mask
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
@@ -16,7 +17,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 
-Case = tuple[Array, Array, NDArray[np.bool_], Array]
+Case = tuple[Array, Array, Mask, Array]
 """times (T,), gaps (T, N), touched (T, N), geodesic (N,)."""
 Story = tuple[str, list[float], list[float | tuple[float, float]], float]
 """What it is like, metres to the target every 5 s, when something is touched (single moments or
@@ -79,7 +80,7 @@ def random_rollouts(moments: int, cars: int, seed: int) -> Case:
     return times, gaps, touched, np.where(near, geodesic + 0.01, geodesic)
 
 
-def rollout_labels(times: Array, gaps: Array, touched: NDArray[np.bool_], geodesic: Array) -> Array:
+def rollout_labels(times: Array, gaps: Array, touched: Mask, geodesic: Array) -> Array:
     """1 for each rollout (N,) within 0.30 m of its target in time, with nothing touched before."""
     near, limit = gaps <= REACHED, geodesic / SLOWEST + GRACE
     in_time = times[:, None] <= limit
@@ -236,13 +237,13 @@ def _broken(got: Array, want: Array, *case: Array) -> str:
 
 
 def _worst(
-    got: Array, want: Array, times: Array, gaps: Array, touched: NDArray[np.bool_], geodesic: Array
+    got: Array, want: Array, times: Array, gaps: Array, touched: Mask, geodesic: Array
 ) -> str:
     """What happens in the first rollout whose label is wrong."""
     number = _first_wrong(got, want)
     story = f'the rollout that "{STORIES[number][0]}"' if len(gaps) == 301 else f"car {number}"
 
-    def first(moments: NDArray[np.bool_]) -> str:
+    def first(moments: Mask) -> str:
         return f"first at {times[moments.argmax()]:.4g} s" if moments.any() else "never"
 
     near, touches = first(gaps[:, number] <= REACHED), first(touched[:, number])

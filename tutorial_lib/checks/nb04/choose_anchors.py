@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.follower_states import reach_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
@@ -24,7 +25,7 @@ BY_HAND = np.array(
 """A small trajectory of eight frames: RE from each (row) to each (column)."""
 
 
-def choose_anchors(reach: Array, threshold: float) -> NDArray[np.intp]:
+def choose_anchors(reach: Array, threshold: float) -> Indices:
     """The anchors (A,) that `sparsify` finds, from a table of RE (T, T); see the exercise."""
     anchors, last = [0], len(reach) - 1
     while anchors[-1] < last:
@@ -118,13 +119,13 @@ each RE is compared for itself; do not average them
 """
 
 
-def _agreeing(got: NDArray[np.intp], want: NDArray[np.intp]) -> int:
+def _agreeing(got: Indices, want: Indices) -> int:
     """How many anchors agree before the first that differs."""
     shorter = min(len(got), len(want))
     return int(np.append(got[:shorter] != want[:shorter], True).argmax())
 
 
-def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
+def _broken(got: Indices, want: Indices, reach: Array, threshold: float) -> str:
     """Which part of the rule the first wrong anchor breaks."""
     same = _agreeing(got, want)
     if same == len(got) < len(want):
@@ -139,7 +140,7 @@ def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, thresho
     return "stop before the first frame whose RE from i, as it is, is not above the threshold"
 
 
-def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
+def _apart(got: Indices, want: Indices, reach: Array, threshold: float) -> str:
     """Where an answer first differs."""
     same = _agreeing(got, want)
     if not len(got):
@@ -163,7 +164,7 @@ def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshol
     return f"{after} comes {j}, not {mine}: {fails}"
 
 
-def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
+def _tables(want: Indices, got: Indices) -> NDArray[np.uint8]:
     tables = [reach_table(BY_HAND, 0.9, chosen.tolist()) for chosen in (want, got)]
     return side_by_side(tables, ["expected", "yours"], gap=30)
 

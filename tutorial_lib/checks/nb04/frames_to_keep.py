@@ -9,17 +9,18 @@ from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
+from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.follower_states import frames_kept
 from tutorial_lib.viz.figures.panels import stacked
 
 
-def frames_to_keep(anchors: NDArray[np.intp], total: int, k: int) -> NDArray[np.intp]:
+def frames_to_keep(anchors: Indices, total: int, k: int) -> Indices:
     """The frames, of a trajectory of `total`, that its anchors (A,) with their contexts need."""
     around = frames_around(anchors, k, 0, total - 1)
     return np.unique(around)
 
 
-def _random(count: int) -> dict[str, tuple[NDArray[np.intp], int, int]]:
+def _random(count: int) -> dict[str, tuple[Indices, int, int]]:
     """Trajectories of 2 to 60 frames with some anchors between the ends."""
     rng, cases = np.random.default_rng(6), {}
     for _ in range(count):
@@ -97,16 +98,14 @@ _HINTS: dict[type[Exception], str] = {
 }
 
 
-def _form(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401 - students'
+def _form(what: str, got: Any, *_: object) -> Indices:  # noqa: ANN401 - students'
     """Frames in rising order."""
     if isinstance(got, int | np.integer):
         raise WrongAnswer(f"{what}: return the indices of the frames, not how many there are")
     return np.sort(frame_indices(what, list(got) if isinstance(got, set) else got))
 
 
-def _broken(
-    got: NDArray[np.intp], want: NDArray[np.intp], anchors: NDArray[np.intp], total: int, k: int
-) -> str:
+def _broken(got: Indices, want: Indices, anchors: Indices, total: int, k: int) -> str:
     """Which part of the rule the wrong frames break."""
     if got.size and not (got.min() >= 0 and got.max() < total):
         return "the trajectory ends on both sides: a context that reaches beyond repeats the end"
@@ -117,9 +116,7 @@ def _broken(
     return "only what a context holds is kept; the ends of the trajectory are no exception"
 
 
-def _difference(
-    got: NDArray[np.intp], want: NDArray[np.intp], anchors: NDArray[np.intp], total: int, k: int
-) -> str:
+def _difference(got: Indices, want: Indices, anchors: Indices, total: int, k: int) -> str:
     """The first frame that is missing, or too many, and why."""
     twice, missing = got[1:][np.diff(got) == 0], np.setdiff1d(want, got)
     if twice.size:
@@ -136,7 +133,7 @@ def _difference(
     return f"frame {extra} is too many; no anchor needs it: the frames of a context are {words}"
 
 
-def _drawn(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
+def _drawn(want: Indices, got: Indices) -> NDArray[np.uint8]:
     anchors, total, _ = next(iter(CASES.values()))
     shown = [frame for frame in got.tolist() if 0 <= frame < total]
     rows = [frames_kept(total, frames, anchors.tolist()) for frames in (want.tolist(), shown)]

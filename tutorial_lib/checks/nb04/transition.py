@@ -248,17 +248,9 @@ def _broken(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # 
     return "in Follow RE of the new active anchor decides, FOLLOW only above rules.p_lose"
 
 
-def _why_state(
-    state: State,
-    active: int,
-    visited: int,
-    reach: Array,
-    overlap: Array,
-    at: bool,
-    waited: float,
-    rules: FollowerSettings,
-) -> str:
+def _why_state(*case: Any) -> str:  # noqa: ANN401
     """What decides about the next state."""
+    state, active, visited, reach, overlap, at, waited, rules = case
     if state == State.SEARCH:
         best = int(reach.argmax())
         words = f"in Search the best RE is {reach[best]:g}, of anchor {best}"

@@ -1,13 +1,13 @@
 """The check of which vertices lie ahead of those reused, in notebook 05."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, mask
+from tutorial_lib.checks.framework.answers import Mask, calling, mask
 from tutorial_lib.topology.mapping.edge_rules import ahead_of
+from tutorial_lib.topology.mapping.vertices import Indices
 
-Case = tuple[NDArray, NDArray, list[int]]
+Case = tuple[Indices, Indices, list[int]]
 
 
 def _random_case(seed: int) -> Case:
@@ -74,13 +74,7 @@ a vertex must lie ahead of all that were reused, not of one of them: and, not or
 """
 
 
-def _why(
-    got: NDArray[np.bool_],
-    want: NDArray[np.bool_],
-    trajectory: NDArray,
-    place: NDArray,
-    reused: list[int],
-) -> str:
+def _why(got: Mask, want: Mask, trajectory: Indices, place: Indices, reused: list[int]) -> str:
     """The first vertex about which an answer is wrong."""
     vertex = int(np.flatnonzero(got != want)[0])
     its = f"vertex {vertex} (trajectory {trajectory[vertex]}, place {place[vertex]})"

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, mask
+from tutorial_lib.checks.framework.answers import Mask, calling, mask
 from tutorial_lib.checks.nb05.trajectories import MIXED, ONE, TWO, random_reach
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -12,7 +12,7 @@ from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 
-def ask_next(reach: Array, before: Indices, after: Indices, p_edge: float) -> NDArray[np.bool_]:
+def ask_next(reach: Array, before: Indices, after: Indices, p_edge: float) -> Mask:
     """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories."""
     found = np.zeros(reach.shape, dtype=bool)
     rows, columns = np.nonzero(reach > p_edge)
@@ -111,7 +111,7 @@ the next vertex along a trajectory is after[v], not v + 1
 """
 
 
-def _broken(got: NDArray[np.bool_], want: NDArray[np.bool_], *_: object) -> str:
+def _broken(got: Mask, want: Mask, *_: object) -> str:
     """Which part of the rule is broken."""
     if (want & ~got).any():
         return "all four neighbours of every sure pair are asked next, where nobody has asked yet"
@@ -119,12 +119,7 @@ def _broken(got: NDArray[np.bool_], want: NDArray[np.bool_], *_: object) -> str:
 
 
 def _why(
-    got: NDArray[np.bool_],
-    want: NDArray[np.bool_],
-    reach: Array,
-    before: Indices,
-    after: Indices,
-    p_edge: float,
+    got: Mask, want: Mask, reach: Array, before: Indices, after: Indices, p_edge: float
 ) -> str:
     """The first pair about which an answer is wrong."""
     i, v = (int(n) for n in np.argwhere(got != want)[0])
@@ -140,7 +135,7 @@ def _why(
     return f"({i}, {v}) must be queried"
 
 
-def _tables(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
+def _tables(want: Mask, got: Mask) -> NDArray[np.uint8]:
     tables = [edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (want, got)]
     return side_by_side(tables, ["expected", "yours"], gap=30)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
+from tutorial_lib.checks.framework.answers import Mask, calling, numbers
 from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.edge_rules import weight
@@ -29,14 +29,14 @@ DRIVEN = np.zeros((6, 6), dtype=bool)
 DRIVEN[[0, 1, 3, 4], [1, 2, 4, 5]] = True
 
 
-def edge_weights(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> Array:
+def edge_weights(reach: Array, driven: Mask, p_edge: float) -> Array:
     """Weights (V, V) of a map's edges, inf where there is none (Meng 2020, III-E)."""
     kept = (reach > p_edge) | driven
     np.fill_diagonal(kept, False)
     return np.where(kept, weight(reach), np.inf)
 
 
-def _random_map(vertices: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
+def _random_map(vertices: int, seed: int) -> tuple[Array, Mask]:
     """RE and driven edges of one long trajectory."""
     reach = np.random.default_rng(seed).uniform(0.0, 1.0, (vertices, vertices)).round(2)
     np.fill_diagonal(reach, 1.0)
@@ -119,7 +119,7 @@ the map is directed: RE from i to j says nothing about RE from j to i
 """
 
 
-def _why(got: Array, want: Array, reach: Array, driven: NDArray[np.bool_], p_edge: float) -> str:
+def _why(got: Array, want: Array, reach: Array, driven: Mask, p_edge: float) -> str:
     """The first pair with a wrong weight."""
     if np.isnan(got).any():
         return "some weights are not a number; where there is no edge the weight is np.inf"

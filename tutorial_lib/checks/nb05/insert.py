@@ -8,9 +8,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import case, exercise, mistakes_of
+from tutorial_lib.checks.framework.answers import Mask
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.framework.wording import kind
@@ -32,7 +32,7 @@ def insert(
     scores: Array,
     p_reuse: float,
     through: Callable[..., tuple[Array, Array]] = through,
-    ahead_of: Callable[..., NDArray[np.bool_]] = edge_rules.ahead_of,
+    ahead_of: Callable[..., Mask] = edge_rules.ahead_of,
     reusable: Callable[..., int] = edge_rules.reusable,
 ) -> None:
     """Insert a trajectory into a map (Meng 2020, III-E); see the exercise."""

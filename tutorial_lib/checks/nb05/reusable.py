@@ -3,16 +3,15 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling
+from tutorial_lib.checks.framework.answers import Mask, calling
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.edge_rules import reusable
 
-Case = tuple[Array, Array, NDArray[np.bool_], float]
+Case = tuple[Array, Array, Mask, float]
 
 
 def _random_case(seed: int) -> Case:
@@ -118,9 +117,7 @@ def _as_good(got: int, want: int, into: Array, onward: Array, *rest: Any) -> boo
     return fits and np.isclose(into[got] * onward[got], into[want] * onward[want], atol=1e-12)
 
 
-def _why(
-    got: int, want: int, into: Array, onward: Array, allowed: NDArray[np.bool_], p_reuse: float
-) -> str:
+def _why(got: int, want: int, into: Array, onward: Array, allowed: Mask, p_reuse: float) -> str:
     """What is wrong with one answer."""
     if got < 0:
         numbers = f"into {into[want]:.4g} and onward {onward[want]:.4g}"
