@@ -3,10 +3,7 @@
 import numpy as np
 
 from tutorial_lib import geometry
-from tutorial_lib.checks.engine import case, exercise, mistakes_of
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.engine import case, close, exercise, hint, mistakes_of, numbers, topics
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar, advance
 

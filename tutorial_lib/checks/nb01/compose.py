@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.engine import case, close, exercise, hint, numbers, topics
 from tutorial_lib.se2 import Array, compose
 
 

@@ -4,12 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import hint, topics
-from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.checks.engine import WrongAnswer, close, exercise, hint, kind, numbers, topics
 from tutorial_lib.geometry import Array
 
 _PARALLEL = 1e-12

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.engine import case, exercise, hint, numbers, topics
 from tutorial_lib.se2 import to_local
 
 _RNG = np.random.default_rng(1)

@@ -6,10 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.engine import case, close, exercise, hint, numbers, topics
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.engine import case, exercise, hint, topics
 from tutorial_lib.checks.nb02.policy_parts import differing, policies_of, same_policies
 from tutorial_lib.driving.control.rmp_arithmetic import obstacle_policy
 

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import numbers, parts
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.checks.engine import WrongAnswer, close, farthest, numbers, parts
 from tutorial_lib.geometry import Array
 
 Policies = tuple[Array, Array]

@@ -6,11 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import farthest
-from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, farthest, hint, numbers, topics
 from tutorial_lib.geometry import Array
 
 Policy = tuple[Array, Array, Array]

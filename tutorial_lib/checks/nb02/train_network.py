@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, mistakes_of
+from tutorial_lib.checks.engine import WrongAnswer, case, check, kind, mistakes_of
 from tutorial_lib.checks.framework.answers import beside
-from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.topics import attempt
-from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.small_training import TrainingPlan, train_network
 from tutorial_lib.learning.training_probe import Trace, trace

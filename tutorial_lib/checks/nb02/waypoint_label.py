@@ -7,11 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import Mask, numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import Mask, WrongAnswer, exercise, hint, numbers, topics
 from tutorial_lib.checks.framework.comparison import close, farthest
-from tutorial_lib.checks.framework.topics import hint, topics
 from tutorial_lib.learning.labels import in_clear_sight
 from tutorial_lib.se2 import Array, arc_length, to_local
 from tutorial_lib.viz.canvas import colours

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import Mask, parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.engine import Mask, WrongAnswer, check, parts
 from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.geometry import Array

@@ -4,8 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise
 from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.geometry import Array
 

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, expect
+from tutorial_lib.checks.engine import check, close, expect, parts
 from tutorial_lib.checks.nb03.forms import calling, one_number, vector
 from tutorial_lib.geometry import Array
 

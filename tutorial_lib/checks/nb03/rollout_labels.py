@@ -8,9 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import Mask
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import Mask, WrongAnswer, case, exercise
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array

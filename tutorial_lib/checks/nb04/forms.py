@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.engine import WrongAnswer, kind
 from tutorial_lib.checks.framework import answers
 from tutorial_lib.checks.framework.answers import as_floats, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.mapping.vertices import Indices
 

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise
 from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.topology.mapping.vertices import Indices

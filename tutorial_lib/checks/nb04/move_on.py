@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.engine import exercise, parts
 from tutorial_lib.checks.nb04.forms import INVOKE, came_back, demand, whole
 from tutorial_lib.checks.nb04.observations import OBSERVATIONS, random_observations
 from tutorial_lib.geometry import Array

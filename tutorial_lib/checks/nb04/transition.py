@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.engine import exercise, parts
 from tutorial_lib.checks.nb04.forms import INVOKE, came_back, demand, whole
 from tutorial_lib.checks.nb04.move_on import move_on, why_moved
 from tutorial_lib.checks.nb04.observations import (

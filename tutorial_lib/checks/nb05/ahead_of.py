@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import Mask, calling, mask
+from tutorial_lib.checks.engine import Mask, calling, exercise, mask
 from tutorial_lib.topology.mapping.edge_rules import ahead_of
 from tutorial_lib.topology.mapping.vertices import Indices
 

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import Mask, calling, mask
+from tutorial_lib.checks.engine import Mask, calling, case, exercise, mask
 from tutorial_lib.checks.nb05.trajectories import MIXED, ONE, TWO, random_reach
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices

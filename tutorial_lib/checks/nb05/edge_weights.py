@@ -5,9 +5,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import Mask, calling, numbers
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import Mask, calling, case, close, exercise, numbers
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.viz.figures.edge_tables import edge_table

@@ -9,11 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise, mistakes_of
-from tutorial_lib.checks.framework.answers import Mask
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import Mask, WrongAnswer, case, exercise, kind, mistakes_of
 from tutorial_lib.checks.framework.explanation import explained
-from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb05.small_map import SmallMap
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules

@@ -4,10 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import Mask, calling
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.checks.engine import Mask, WrongAnswer, calling, exercise, kind
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.edge_rules import reusable
 

@@ -6,10 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, edited, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, close, edited, exercise, numbers
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
