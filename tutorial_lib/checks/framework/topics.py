@@ -60,20 +60,11 @@ def judge_topics(
     difference: Function = lambda got, want, *case: farthest(got, np.asarray(want, float)),
     draw: Function = lambda student: None,
 ) -> NDArray[np.uint8] | None:
-    """Demand the right answer to every case, the simple ones first; the rest is as in `compare`.
+    """Demand the right answer to every case of topics that stand in the order of their difficulty.
 
-    Args:
-        name: of the exercise.
-        student: the function to check.
-        topics: in the order of their difficulty.
-        right: gives the right answer to a case.
-        faults: a known mistake is named when it gives every answer that the student's function
-            gives, or every wrong one.
-        form: demands an answer of the right form.
-        invoke: calls the student's function.
-        same: tells whether two answers are equally good.
-        difference: says where they differ.
-        draw: (student) gives what is expected and yours.
+    Of the arguments, which are those of `compare`, two differ: `draw` takes the student's function,
+    and of the `faults` the one is named that gives every answer of this function, or every wrong
+    one.
     """
     invoke, aliases = patient(invoke)
     for topic in topics:

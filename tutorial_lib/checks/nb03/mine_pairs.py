@@ -121,19 +121,9 @@ def mine_pairs(
     share: float,
     rng: np.random.Generator,
 ) -> tuple[Pairs, Array, Array]:
-    """Pairs, labels and weights, (M,) each: of pairs whose labels are known, and of mined ones.
+    """Pairs (M,) whose labels are known, and mined ones, with labels and weights; see the exercise.
 
-    Args:
-        probability: (P,) predicted.
-        starts: (P,) the frame at which each begins.
-        occluded: (P,) far and occluded.
-        labels: (P,) 1, 0, or nan where nobody has rolled the pair out.
-        roll_out: labels (M,) of pairs (M,).
-        sure: probability above which a pair is mined.
-        most: hard negatives at most.
-        each: of them from one start at most.
-        share: of the weight that mined pairs have.
-        rng: draws the pairs that are rolled out.
+    Pairs begin at frames `starts` (P,); of `most` hard negatives `each` may begin at one frame.
     """
     unknown = np.isnan(labels)
     easy, new = np.flatnonzero(~unknown), unknown & (probability > sure)
