@@ -68,8 +68,7 @@ the second pose's x and y are both needed, with their signs, not only its distan
 the step comes before the turn that the second heading makes; do not turn it by half
     to_world(first, -> to_world(first + second * [0, 0, 0.5],
 x and y of the turned step are exchanged
-    to_world(first, second[..., :2])
-        -> first[:2] + to_world(first * [0, 0, 1], second[:2])[::-1]
+    to_world(first, second[..., :2]) -> first[:2] + to_world(first * [0, 0, 1], second[:2])[::-1]
 the headings add up; do not take their mean
     wrap(first[..., 2] + second[..., 2]) -> (first[2] + second[2]) / 2
 wrap the heading into -pi to pi

@@ -1,6 +1,6 @@
 """The check of the waypoint label, in notebook 02."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import cv2
@@ -264,19 +264,18 @@ def _difference(got: Array | None, want: Array | None, *_: object) -> str:
     return farthest(got, want)
 
 
-def _labels_from_above(
-    walls: Array, start: Array, track: Array, want: object, got: object
-) -> NDArray[np.uint8]:
-    """Wall, trajectory, start and both labels, in the frame of the start."""
+def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """Wall, trajectory, start and both labels, from above."""
+    arguments = start, track, *_ = TOPICS["round a corner"][1][0]
     blocks = []
-    for name, label in (("expected", want), ("yours", got)):
-        block = np.full((300, 330, 3), 255, np.uint8)
+    for name, function in (("expected", waypoint_label), ("yours", student)):
+        label, block = function(*arguments), np.full((300, 330, 3), 255, np.uint8)
 
-        def at(point: Array) -> tuple[int, int]:
+        def at(point: Sequence[float] | Array) -> tuple[int, int]:
             return round(60 + 100 * point[0]), round(270 - 100 * point[1])
 
-        for wall in walls:
-            cv2.line(block, at(wall[:2]), at(wall[2:]), colours.SOLID, 6, cv2.LINE_AA)
+        ends = at(_CORNER_WALL[:2]), at(_CORNER_WALL[2:])
+        cv2.line(block, *ends, colours.SOLID, 6, cv2.LINE_AA)
         for place in track[::2]:
             cv2.circle(block, at(place), 3, colours.PATH, -1, cv2.LINE_AA)
         cv2.circle(block, at(start), 8, colours.ROBOT, -1, cv2.LINE_AA)
@@ -289,12 +288,6 @@ def _labels_from_above(
         label_on(block, name, 8, 20)
         blocks.append(block)
     return np.concatenate(blocks, axis=1)
-
-
-def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    arguments = start, track, *_ = TOPICS["round a corner"][1][0]
-    right, yours = waypoint_label(*arguments), student(*arguments)
-    return _labels_from_above(np.array([_CORNER_WALL]), start, track, right, yours)
 
 
 check_waypoint_label = exercise(

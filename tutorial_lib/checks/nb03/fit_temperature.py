@@ -123,8 +123,7 @@ that is the index of the best temperature in a list; give the temperature itself
 that is the index of the best temperature in a list; give the temperature, not its place
     temperatures[losses.argmin()] -> losses.argmin()
     600 -> 1000
-that is the index of the best temperature in a list; give the temperature, a number from
-0.05 to 20
+that is the index of the best temperature in a list; give the temperature, a number from 0.05 to 20
     temperatures[losses.argmin()] -> losses.argmin()
     600 -> 100
 """

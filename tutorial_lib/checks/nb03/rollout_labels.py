@@ -118,8 +118,7 @@ no rollout counts as reached; look at each moment
     near & in_time & clean -> near & False
 a rollout that touched something has failed, even if it arrives
     near & in_time & clean -> near & in_time
-what a car touches after it has arrived does not count: look at what was touched up to each
-moment
+what a car touches after it has arrived does not count: look at what was touched up to each moment
     np.logical_or.accumulate(touched, axis=0) -> touched.any(axis=0)
 a rollout that touched something has failed, even if the car is free again when it arrives;
 see np.logical_or.accumulate
@@ -154,8 +153,7 @@ the moments lie unevenly: compare times with t_max, not 0.1 s times the number o
 accumulate over the moments, axis=0, and not over the cars
     accumulate(touched, axis=0) -> accumulate(touched, axis=1)
 argmax of a column without any True is 0: a car that is never near has no first moment
-    near & in_time & clean
-        -> np.take_along_axis(in_time & clean, near.argmax(axis=0)[None], axis=0)
+    near & in_time & clean -> np.take_along_axis(in_time & clean, near.argmax(axis=0)[None], axis=0)
 a touch in the very first moment counts, too
     accumulate(touched, -> accumulate(np.vstack([np.zeros_like(touched[:1]), touched[1:]]),
 near means within 0.30 m, not 0.5 m

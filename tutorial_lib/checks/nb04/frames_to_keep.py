@@ -47,8 +47,7 @@ a frame that two contexts share is kept once: np.unique
 there are no frames before 0 or after the last; there the context repeats the first or last frame
     frames_around(anchors, k, 0, total - 1) -> anchors[:, None] + 3 * np.arange(-k, k + 1)
 a frame before 0 is no frame from the end; np.clip keeps it within the trajectory
-    frames_around(anchors, k, 0, total - 1)
-        -> (anchors[:, None] + 3 * np.arange(-k, k + 1)) % total
+    frames_around(anchors, k, 0, total - 1) -> (anchors[:, None] + 3 * np.arange(-k, k + 1)) % total
 the last frame is total - 1, not total
     total - 1 -> total
 the frames of a context are 3 frames apart

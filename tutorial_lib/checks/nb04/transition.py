@@ -122,8 +122,7 @@ dead reckoning must end, too: in FOLLOW, or in LOST
     reach[active] > rules.p_follow -> False
     State.LOST if waited > rules.timeout else state -> state
 a robot that is done keeps its anchors: DONE before move_on
-    State.DONE, active, visited
-        -> State.DONE, *move_on(active, visited, reach, overlap, at, rules)
+    State.DONE, active, visited -> State.DONE, *move_on(active, visited, reach, overlap, at, rules)
 RE of exactly a threshold is not above it
     > rules.p_search -> >= rules.p_search
     > rules.p_follow -> >= rules.p_follow
