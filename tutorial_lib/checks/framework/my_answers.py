@@ -223,8 +223,8 @@ def _cells(function: Function) -> str:
 def _names_of_signature(text: str) -> set[str]:
     """The names that stand in a function's defaults, annotations and decorators."""
     function = _definition(text)
-    parts = filter(None, [function.args, *function.decorator_list, function.returns])
-    nodes = [node for part in parts for node in ast.walk(part)]
+    parts = [function.args, *function.decorator_list, function.returns]
+    nodes = [node for part in parts if part for node in ast.walk(part)]
     return {node.id for node in nodes if isinstance(node, ast.Name)}
 
 

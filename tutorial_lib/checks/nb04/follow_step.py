@@ -52,12 +52,12 @@ def follow_step(
 
 
 def _exact(
-    ahead: float, reach: float = 0.97, rules: FollowerSettings = RULES, **known: float
+    ahead: float, reach: float = 0.97, waited: float = 1.0, nearest: float = 1.05, **rules: float
 ) -> tuple[Any, ...]:
     """A step in which the only anchor of a path lies straight ahead."""
-    memory = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), 1.0, 1.05)._replace(**known)
+    memory = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), waited, nearest)
     seen = np.array([reach]), np.array([0.3]), np.array([[ahead, 0.0]]), np.zeros(3)
-    return memory, *seen, rules
+    return memory, *seen, replace(RULES, **rules)
 
 
 _EXACT = {
@@ -65,11 +65,9 @@ _EXACT = {
     "at the waypoint, whose old place is far ahead": _exact(0.1),
     "at the waypoint, RE of exactly rules.p_lose": _exact(0.1, reach=0.4),
     # Of these numbers every way to write the difference makes exactly 0.05.
-    "exactly 0.05 m nearer": _exact(0.05, rules=replace(RULES, at=0.01), nearest=0.1),
+    "exactly 0.05 m nearer": _exact(0.05, nearest=0.1, at=0.01),
     "0.03 m farther than the nearest": _exact(1.5, nearest=1.47),
-    "without progress for exactly rules.effort": _exact(
-        1.5, rules=replace(RULES, effort=0.1), waited=0.0
-    ),
+    "without progress for exactly rules.effort": _exact(1.5, waited=0.0, effort=0.1),
     "without progress for a minute": _exact(1.5, waited=60.0),
 }
 
