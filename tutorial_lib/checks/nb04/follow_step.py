@@ -52,7 +52,11 @@ def follow_step(
 
 
 def _exact(
-    ahead: float, reach: float = 0.97, waited: float = 1.0, nearest: float = 1.05, **rules: float
+    ahead: float,
+    reach: float = 0.97,
+    waited: float = 1.0,
+    nearest: float = 1.05,
+    **rules: Any,  # noqa: ANN401
 ) -> tuple[Any, ...]:
     """A step in which the only anchor of a path lies straight ahead."""
     memory = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), waited, nearest)
