@@ -1,6 +1,17 @@
-"""An exercise as a specification: its rule, cases, and mistakes as edits of the rule."""
+"""An exercise as a specification: its rule, cases, and mistakes as edits of the rule.
+
+It is also the door to what most exercises need of `checks.framework`.
+"""
 
 from tutorial_lib.checks.engine.edits import edited, mistakes_of
 from tutorial_lib.checks.engine.exercise import case, exercise
+from tutorial_lib.checks.framework.answers import Mask, calling, mask, numbers, parts
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import close, expect, farthest
+from tutorial_lib.checks.framework.topics import hint, topics
+from tutorial_lib.checks.framework.wording import kind
 
-__all__ = ["case", "edited", "exercise", "mistakes_of"]
+__all__ = [
+    "Mask", "WrongAnswer", "calling", "case", "check", "close", "edited", "exercise", "expect",
+    "farthest", "hint", "kind", "mask", "mistakes_of", "numbers", "parts", "topics",
+]  # fmt: skip

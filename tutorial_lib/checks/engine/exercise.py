@@ -1,7 +1,5 @@
 """From a rule, its cases and known mistakes to a check."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any

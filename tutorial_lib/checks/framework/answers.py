@@ -1,7 +1,5 @@
 """Calls of students' functions, and what form their answers must have."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -17,6 +15,7 @@ from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 
+Mask = NDArray[np.bool_]
 _COPIED = (np.ndarray, list, tuple, dict, set, nx.Graph)
 _PLAIN = (bool, int, float, complex, str, bytes, set, np.generic)
 
@@ -64,8 +63,9 @@ def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 -
     answer = student(*given)
     for name, old, new in zip(_names(student, len(given)), arguments, given, strict=True):
         if not unchanged(old, new):
-            new_one = "graph" if isinstance(old, nx.Graph) else kind(old).split()[-1]
-            new_one = new_one.removeprefix("nd")
+            new_one = (
+                "graph" if isinstance(old, nx.Graph) else type(old).__name__.removeprefix("nd")
+            )
             raise WrongAnswer(f"your function changes its argument {name}; make a new {new_one}")
         if _shares(answer, new):
             raise Alias(str(name), answer)
@@ -116,12 +116,7 @@ def _shares(answer: Any, argument: Any) -> bool:  # noqa: ANN401
 def calling(
     hints: Mapping[type[Exception], str] | None = None, said: Mapping[str, str] | None = None
 ) -> Callable[..., Any]:
-    """A way to call a student's function that explains its errors.
-
-    Args:
-        hints: what to say of kinds of errors in this exercise.
-        said: what words of Python's own message mean here; they go first.
-    """
+    """A way to call a student's function that explains its errors; see `explained`."""
 
     def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         try:
@@ -149,22 +144,14 @@ def beside(run: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def returned(what: str, got: Any) -> Any:  # noqa: ANN401 - whatever students return
-    """An answer that is not None.
-
-    Raises:
-        WrongAnswer: when it is.
-    """
+    """An answer that is not None; `WrongAnswer` if it is."""
     if got is None:
         raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
     return got
 
 
 def parts(what: str, got: object, count: int, words: str) -> list[Any]:
-    """The `count` parts of an answer; `words` says what to return.
-
-    Raises:
-        WrongAnswer: when it has not so many.
-    """
+    """The parts of an answer; `WrongAnswer` with `words`, on what to return, if not `count`."""
     got = returned(what, got)
     if not isinstance(got, tuple | list) or len(got) != count:
         raise WrongAnswer(f"{what}: {words}")
@@ -188,11 +175,7 @@ def as_floats(got: object) -> Array:
 
 
 def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
-    """An answer as an array of this shape, or as a number if the shape is ().
-
-    Raises:
-        WrongAnswer: when it is none.
-    """
+    """An answer as an array of this shape, or as a number if that is (); `WrongAnswer` if not."""
     got = returned(what, got)
     if shape and not isinstance(got, np.ndarray):
         raise WrongAnswer(f"{what}: {kind(got)} came back; return a numpy array")
@@ -210,11 +193,7 @@ def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
 
 
 def mask(what: str, got: object, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """An answer of True and False, as an array of this shape.
-
-    Raises:
-        WrongAnswer: when it is none.
-    """
+    """An answer of True and False, as an array of this shape; `WrongAnswer` if it is none."""
     got = returned(what, got)
     if not isinstance(got, np.ndarray):
         raise WrongAnswer(f"{what}: {kind(got)} came back; return a numpy array")

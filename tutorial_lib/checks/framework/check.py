@@ -1,7 +1,5 @@
 """A check, its result, and how a wrong answer is reported."""
 
-from __future__ import annotations
-
 import html
 import re
 import time
@@ -87,7 +85,6 @@ class Check:
     def __init__(
         self, judge: Function, reference: Function, example: tuple, calls: int, endless: str
     ) -> None:
-        """See `check`."""
         self.name = judge.__name__.removeprefix("check_")
         found = re.search(r"\.nb(\d\d)\b", judge.__module__)
         self.notebook = found[1] if found else "00"
@@ -185,10 +182,8 @@ class Check:
 
     def _too_slow(self, student: Function) -> str:
         """What to say of a correct function that the cells below do not use; empty if they do."""
-        mine, reference = (
-            _seconds(function, self.example) for function in (student, self.reference)
-        )
-        ratio = mine / reference
+        mine = _seconds(student, self.example)
+        ratio = mine / _seconds(self.reference, self.example)
         if ratio <= SLOWEST or self.calls * mine <= AFFORDABLE:
             return ""
         return f"Correct, but {ratio:.0f} times slower than the library's, which is used below."
@@ -208,11 +203,7 @@ def check(
         calls: how often the cells below call the function with arguments like these.
         endless: what to say when it does not end.
     """
-
-    def decorate(judge: Function) -> Check:
-        return Check(judge, reference, example, calls, endless)
-
-    return decorate
+    return lambda judge: Check(judge, reference, example, calls, endless)
 
 
 def _seconds(function: Function, example: tuple) -> float:

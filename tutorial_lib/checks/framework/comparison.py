@@ -1,7 +1,5 @@
 """Compare a student's answers with the right ones, and name the mistake behind wrong ones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -104,10 +102,6 @@ def compare(
     return picture
 
 
-def _plainly(what: str, function: Function, *case: Any) -> Any:  # noqa: ANN401
-    return function(*case)
-
-
 def _answer(
     function: Function, invoke: Function, form: Function, what: str, case: Sequence[Any]
 ) -> Any:  # noqa: ANN401
@@ -124,7 +118,8 @@ def _known(rule: Function, form: Function, what: str, case: Sequence[Any]) -> An
     """
     key = (*map(id, _parts(rule)), *map(id, case))
     if key not in _KNOWN:
-        _KNOWN[key] = _answer(rule, _plainly, form, what, case), rule, case
+        answer = _answer(rule, lambda _, function, *case: function(*case), form, what, case)
+        _KNOWN[key] = answer, rule, case
     return _KNOWN[key][0]
 
 
@@ -179,7 +174,7 @@ def expect(
     same: Callable[[Any, Any], bool],
     difference: Callable[[Any, Any], str],
 ) -> None:
-    """Demand one answer.
+    """Demand one answer; the first of the mistakes that gives a wrong one is named.
 
     Args:
         what: was computed, for the message.
@@ -188,20 +183,10 @@ def expect(
         mistakes: for known mistakes, what to say and the answer that they give.
         same: tells whether two answers are equally good.
         difference: says what is wrong when no known mistake gives this answer.
-
-    Raises:
-        WrongAnswer: with the most helpful message.
     """
     if not same(got, want):
-        words = _named(got, mistakes, same) or difference(got, want)
-        raise WrongAnswer(f"{what}: {words}")
-
-
-def _named(
-    got: object, mistakes: Iterable[tuple[str, Any]], same: Callable[[Any, Any], bool]
-) -> str | None:
-    """What to say of the first mistake that gives this answer."""
-    return next((words for words, mistaken in mistakes if same(got, mistaken)), None)
+        named = (words for words, mistaken in mistakes if same(got, mistaken))
+        raise WrongAnswer(f"{what}: {next(named, None) or difference(got, want)}")
 
 
 def equal(got: Any, want: object) -> bool:  # noqa: ANN401 - whatever students return

@@ -1,7 +1,5 @@
 """What an error of a student's code was, where, and what it may mean."""
 
-from __future__ import annotations
-
 import sysconfig
 import traceback
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Limits while a student's function is judged: time, memory and output."""
 
-from __future__ import annotations
-
 import ctypes
 import io
 import signal
@@ -69,7 +67,7 @@ def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
         if _compiles(frame) or (number == signal.SIGALRM and not (rung or rests())):
             return
         if rung:  # the function caught the first error: now its next line raises one
-            own = list(_frames_of(file, frame))
+            own = [f for f in _under_way(frame) if f.f_code.co_filename == file]
             if not own:  # it did not: the first one is on its way
                 return
             sys.settrace(lambda *_: None)
@@ -121,18 +119,13 @@ def _rests() -> Callable[[], bool]:
 
 def _compiles(frame: FrameType | None) -> bool:
     """Whether a kernel is compiled or loaded just now: stopped half-way it would end Python."""
-    while frame is not None:
-        if frame.f_globals.get("__name__", "").partition(".")[0] in COMPILERS:
-            return True
-        frame = frame.f_back
-    return False
+    names = (f.f_globals.get("__name__", "") for f in _under_way(frame))
+    return any(name.partition(".")[0] in COMPILERS for name in names)
 
 
-def _frames_of(file: str | None, frame: FrameType | None) -> Iterator[FrameType]:
-    """The frames of a file's code among those that are under way."""
+def _under_way(frame: FrameType | None) -> Iterator[FrameType]:
     while frame is not None:
-        if frame.f_code.co_filename == file:
-            yield frame
+        yield frame
         frame = frame.f_back
 
 

@@ -4,8 +4,6 @@ A file holds one exercise: the imports, the constants and the student's own func
 then the function itself. An answer that is replaced by another moves to ``my_answers/older``.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib.util
 import inspect
@@ -225,12 +223,8 @@ def _cells(function: Function) -> str:
 def _names_of_signature(text: str) -> set[str]:
     """The names that stand in a function's defaults, annotations and decorators."""
     function = _definition(text)
-    parts = [
-        function.args,
-        *function.decorator_list,
-        *([function.returns] if function.returns else []),
-    ]
-    nodes = [node for part in parts for node in ast.walk(part)]
+    parts = [function.args, *function.decorator_list, function.returns]
+    nodes = [node for part in parts if part for node in ast.walk(part)]
     return {node.id for node in nodes if isinstance(node, ast.Name)}
 
 

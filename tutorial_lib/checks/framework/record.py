@@ -1,10 +1,9 @@
 """What a student committed to and scored, kept beside the answers in ``my_answers/record.json``.
 
 By notebook it holds predictions by name, and the rows of a league table; and the robot's name,
-which notebook 00 asks for. Nothing of it is marked.
+which notebook 00 asks for. Nothing of it is marked. Functions here raise `InputError` when the file
+is damaged or cannot be written.
 """
-
-from __future__ import annotations
 
 import json
 from datetime import datetime
@@ -26,38 +25,23 @@ def predictions(notebook: str) -> dict[str, dict[str, str]]:
 
     Args:
         notebook: its number, as in "05".
-
-    Raises:
-        InputError: when the file is damaged.
     """
     made = _of(_load(), notebook, "predictions", {})
     return {name: one for name, one in made.items() if isinstance(one, dict)}
 
 
 def scores(notebook: str) -> list[list[Any]]:
-    """The rows of a notebook's league table, in the order in which they were entered.
-
-    Raises:
-        InputError: when the file is damaged.
-    """
+    """The rows of a notebook's league table, in the order in which they were entered."""
     return _of(_load(), notebook, "scores", [])
 
 
 def robot() -> str:
-    """The name that the robot was given; empty before.
-
-    Raises:
-        InputError: when the file is damaged.
-    """
+    """The name that the robot was given; empty before."""
     return _of(_load(), _FIRST, "robot", "")
 
 
 def keep_prediction(notebook: str, name: str, choice: str, right: str) -> None:
-    """Keep the first choice of a prediction; later ones change nothing.
-
-    Raises:
-        InputError: when the file is damaged or cannot be written.
-    """
+    """Keep the first choice of a prediction; later ones change nothing."""
     known, today = _load(), datetime.now().strftime("%Y-%m-%d")
     made = _of(known, notebook, "predictions", {})
     made.setdefault(name, {"choice": choice, "right": right, "on": today})
@@ -65,11 +49,7 @@ def keep_prediction(notebook: str, name: str, choice: str, right: str) -> None:
 
 
 def keep_score(notebook: str, row: list[Any]) -> None:
-    """Keep a row of a league table, once.
-
-    Raises:
-        InputError: when the file is damaged or cannot be written.
-    """
+    """Keep a row of a league table, once."""
     known = _load()
     rows = _of(known, notebook, "scores", [])
     if row not in rows:
@@ -77,11 +57,7 @@ def keep_score(notebook: str, row: list[Any]) -> None:
 
 
 def keep_robot(name: str) -> None:
-    """Keep the robot's name, in place of an earlier one.
-
-    Raises:
-        InputError: when the file is damaged or cannot be written.
-    """
+    """Keep the robot's name, in place of an earlier one."""
     _save(_load(), _FIRST, "robot", name)
 
 

@@ -1,7 +1,5 @@
 """Cases in the order of their difficulty, each with what it teaches."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -39,6 +37,16 @@ class Topic:
     cases: Sequence[tuple[Any, ...]]
 
 
+def hint(words: str, *cases: tuple[Any, ...]) -> tuple[str, Sequence[tuple[Any, ...]]]:
+    """Where to look when an answer to one of some cases is wrong, and these cases."""
+    return words, cases
+
+
+def topics(hints: Mapping[str, tuple[str, Sequence[tuple[Any, ...]]]]) -> list[Topic]:
+    """Topics, from what each is like and its `hint`."""
+    return [Topic(about, words, cases) for about, (words, cases) in hints.items()]
+
+
 def judge_topics(
     name: str,
     student: Function,
@@ -52,26 +60,11 @@ def judge_topics(
     difference: Function = lambda got, want, *case: farthest(got, np.asarray(want, float)),
     draw: Function = lambda student: None,
 ) -> NDArray[np.uint8] | None:
-    """Demand the right answer to every case, the simple ones first.
+    """Demand the right answer to every case of topics that stand in the order of their difficulty.
 
-    Args:
-        name: of the exercise.
-        student: the function to check.
-        topics: in the order of their difficulty.
-        right: gives the right answer to a case.
-        faults: for known mistakes, what to say and a function that makes this mistake. It is named
-            when it gives every answer that the student's function gives, or every wrong one.
-        form: (what, answer, *case) demands an answer of the right form.
-        invoke: (what, student, *case) calls the student's function.
-        same: (got, want, *case) tells whether two answers are equally good.
-        difference: (got, want, *case) says where they differ.
-        draw: (student) gives what is expected and yours.
-
-    Returns:
-        What is expected and yours, if drawn.
-
-    Raises:
-        WrongAnswer: for the first case with a wrong answer.
+    Of the arguments, which are those of `compare`, two differ: `draw` takes the student's function,
+    and of the `faults` the one is named that gives every answer of this function, or every wrong
+    one.
     """
     invoke, aliases = patient(invoke)
     for topic in topics:
@@ -90,24 +83,17 @@ def judge_topics(
             if not words:
                 partly = _partly(given, right, faults, same)
                 words = f"{topic.words} ({difference(got, want, *case)}){partly}"
-            raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
+            picture = None
+            with suppress(Exception):  # the student's answers may be such that nobody can draw
+                picture = draw(student)
+            raise WrongAnswer(f"{what}: {words}", picture)
     if aliases:
         raise aliases[0]
     return draw(student)
 
 
 def attempt(what: str, words: str, called: Function, *case: Any) -> Any:  # noqa: ANN401 - whatever students return
-    """A student's answer; an error of its code is reported with the case and a hint.
-
-    Args:
-        what: was asked.
-        words: the hint.
-        called: calls the student's function.
-        *case: the arguments.
-
-    Raises:
-        WrongAnswer: when the student's function raises an error or changes its arguments.
-    """
+    """A student's answer; an error of its code is reported with what was asked and a hint."""
     try:
         return called(*case)
     except (NotImplementedError, WrongAnswer, MemoryError):
@@ -117,11 +103,7 @@ def attempt(what: str, words: str, called: Function, *case: Any) -> Any:  # noqa
 
 
 def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # noqa: ANN401
-    """An answer of the right form.
-
-    Raises:
-        WrongAnswer: when it has another, however odd.
-    """
+    """An answer of the right form; `WrongAnswer` if it has another, however odd."""
     try:
         return form(what, answer, *case)
     except WrongAnswer:
@@ -131,13 +113,7 @@ def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # no
         raise WrongAnswer(f"{what}: {kind(answer)} {words}") from None
 
 
-def _repeats(
-    called: Function,
-    case: tuple[Any, ...],
-    got: Any,  # noqa: ANN401
-    form: Function,
-    same: Function,
-) -> bool:
+def _repeats(called: Function, case: tuple, got: object, form: Function, same: Function) -> bool:
     """Whether a student's function gives its wrong answer again."""
     try:
         again = form("", called(*case), *case)
@@ -209,10 +185,3 @@ def _equal(first: Any, second: Any) -> bool:  # noqa: ANN401 - arguments and ans
     if isinstance(first, tuple | list) and isinstance(second, tuple | list):
         return len(first) == len(second) and all(map(_equal, first, second))
     return first is second or np.array_equal(first, second)
-
-
-def _picture(draw: Function, student: Function) -> NDArray[np.uint8] | None:
-    """What is expected and yours; None where the student's answers cannot be drawn."""
-    with suppress(Exception):
-        return draw(student)
-    return None

@@ -1,7 +1,5 @@
 """Words that generated messages share."""
 
-from __future__ import annotations
-
 from typing import Any
 
 _COUNTED = {0: "never", 1: "once", 2: "twice"}

@@ -3,10 +3,7 @@
 import numpy as np
 
 from tutorial_lib import geometry
-from tutorial_lib.checks.engine import case, exercise, mistakes_of
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import Topic
+from tutorial_lib.checks.engine import case, close, exercise, hint, mistakes_of, numbers, topics
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar, advance
 
@@ -35,67 +32,56 @@ _POSE = np.array([1.0, 2.0, 0.5])
 _RANDOM = [
     (_RNG.uniform([-3, -3, -3], [3, 3, 3]), *_RNG.uniform(*_RANGES).tolist()) for _ in range(30)
 ]
-TOPICS = [
-    Topic(
-        "a car that stands, with its wheels turned",
-        "a car at rest neither moves nor turns",
-        [(_POSE, 0.0, 0.4, 0.3, 0.02)],
+TOPICS = {
+    "a car that stands, with its wheels turned": hint(
+        "a car at rest neither moves nor turns", (_POSE, 0.0, 0.4, 0.3, 0.02)
     ),
-    Topic(
-        "straight ahead at 0.8 m/s with heading 0",
+    "straight ahead at 0.8 m/s with heading 0": hint(
         "with straight wheels the heading stays, and x grows by speed times seconds",
-        [(np.array([1.0, 2.0, 0.0]), 0.8, 0.0, 0.3, 0.02)],
+        (np.array([1.0, 2.0, 0.0]), 0.8, 0.0, 0.3, 0.02),
     ),
-    Topic(
-        "straight ahead at 0.8 m/s with heading 0.5",
+    "straight ahead at 0.8 m/s with heading 0.5": hint(
         "with straight wheels the heading stays, and the car moves along it",
-        [(_POSE, 0.8, 0.0, 0.3, 0.02)],
+        (_POSE, 0.8, 0.0, 0.3, 0.02),
     ),
-    Topic(
-        "a left turn at 0.8 m/s, steering 0.45 rad",
-        "write down the three equations, each times the seconds",
-        [(_POSE, 0.8, 0.45, 0.3, 0.02)],
+    "a left turn at 0.8 m/s, steering 0.45 rad": hint(
+        "write down the three equations, each times the seconds", (_POSE, 0.8, 0.45, 0.3, 0.02)
     ),
-    Topic(
-        "a right turn at 0.5 m/s, steering -0.3 rad",
+    "a right turn at 0.5 m/s, steering -0.3 rad": hint(
         "a negative angle turns the car to the right; the same equations hold",
-        [(_POSE, 0.5, -0.3, 0.3, 0.02)],
+        (_POSE, 0.5, -0.3, 0.3, 0.02),
     ),
-    Topic(
-        "in reverse at -0.3 m/s, to either side",
+    "in reverse at -0.3 m/s, to either side": hint(
         "a negative speed needs no special case: place and heading both change their sign",
-        [(_POSE, -0.3, 0.4, 0.3, 0.02), (_POSE, -0.3, -0.4, 0.3, 0.02)],
+        (_POSE, -0.3, 0.4, 0.3, 0.02),
+        (_POSE, -0.3, -0.4, 0.3, 0.02),
     ),
-    Topic(
-        "a car with another wheelbase",
+    "a car with another wheelbase": hint(
         "the wheelbase is an argument: a car twice as long turns half as fast",
-        [(_POSE, 0.8, 0.3, 0.6, 0.02), (_POSE, 0.8, 0.3, 1.1, 0.02)],
+        (_POSE, 0.8, 0.3, 0.6, 0.02),
+        (_POSE, 0.8, 0.3, 1.1, 0.02),
     ),
-    Topic(
-        "steps of other lengths",
+    "steps of other lengths": hint(
         "the seconds are an argument: twice the time, twice the step and twice the turn",
-        [(_POSE, 0.8, 0.3, 0.3, seconds) for seconds in (0.01, 0.05, 0.1)],
+        *((_POSE, 0.8, 0.3, 0.3, seconds) for seconds in (0.01, 0.05, 0.1)),
     ),
-    Topic(
-        "a fast car with its wheels turned far",
+    "a fast car with its wheels turned far": hint(
         "limit nothing here: the car's motors limit steering and speed before this function",
-        [(_POSE, 1.5, 0.0, 0.3, 0.02), (_POSE, -1.0, 0.0, 0.3, 0.02), (_POSE, 0.5, 0.7, 0.3, 0.1)],
+        (_POSE, 1.5, 0.0, 0.3, 0.02),
+        (_POSE, -1.0, 0.0, 0.3, 0.02),
+        (_POSE, 0.5, 0.7, 0.3, 0.1),
     ),
-    Topic(
-        "a slow car, and one whose wheels are hardly turned",
+    "a slow car, and one whose wheels are hardly turned": hint(
         "a slow car moves, and a small steering angle turns it: leave no small number out",
-        [
-            (_POSE, 0.03, 0.4, 0.3, 0.1),
-            (_POSE, 0.8, 0.02, 0.3, 0.1),
-            (_POSE, 0.8, -0.02, 0.3, 0.1),
-        ],
+        (_POSE, 0.03, 0.4, 0.3, 0.1),
+        (_POSE, 0.8, 0.02, 0.3, 0.1),
+        (_POSE, 0.8, -0.02, 0.3, 0.1),
     ),
-    Topic(
-        "30 random steps",
+    "30 random steps": hint(
         "the simple cases are right; does a part of your formula hold for some of them only?",
-        _RANDOM,
+        *_RANDOM,
     ),
-]
+}
 MISTAKES = """
 the car turns even when it stands; multiply the tangent by the speed
     turn = speed * seconds, speed * np -> turn = speed * seconds, np
@@ -179,7 +165,7 @@ def _same(got: Array, want: Array, pose: Array, *rest: float) -> bool:
 
 check_bicycle_step = exercise(
     bicycle_step,
-    TOPICS,
+    topics(TOPICS),
     module=__name__,
     about="The kinematic bicycle: a straight step along the first heading, or the exact arc.",
     example=case(np.array([1.0, 2.0, 0.5]), 0.5, 0.2, 0.3, 0.02),

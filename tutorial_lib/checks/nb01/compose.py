@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import Topic
+from tutorial_lib.checks.engine import case, close, exercise, hint, numbers, topics
 from tutorial_lib.se2 import Array, compose
 
 
@@ -13,53 +10,42 @@ def _poses(first: list[float], second: list[float]) -> tuple[Array, Array]:
     return np.array(first), np.array(second)
 
 
-TOPICS = [
-    Topic(
-        "heading 0, then a step",
+TOPICS = {
+    "heading 0, then a step": hint(
         "without a first heading the two motions simply add up",
-        [_poses([1.0, 2.0, 0.0], [0.5, 0.2, 0.3])],
+        _poses([1.0, 2.0, 0.0], [0.5, 0.2, 0.3]),
     ),
-    Topic(
-        "a quarter turn to the left at the origin, then 1 m ahead",
+    "a quarter turn to the left at the origin, then 1 m ahead": hint(
         "the step runs along +y, so the robot is at (0, 1)",
-        [_poses([0.0, 0.0, np.pi / 2], [1.0, 0.0, 0.0])],
+        _poses([0.0, 0.0, np.pi / 2], [1.0, 0.0, 0.0]),
     ),
-    Topic(
-        "a quarter turn to the left at the origin, then 1 m to the left",
+    "a quarter turn to the left at the origin, then 1 m to the left": hint(
         "the robot's left is now -x, so the robot is at (-1, 0)",
-        [_poses([0.0, 0.0, np.pi / 2], [0.0, 1.0, 0.0])],
+        _poses([0.0, 0.0, np.pi / 2], [0.0, 1.0, 0.0]),
     ),
-    Topic(
-        "two motions whose headings add up to between -pi and pi",
+    "two motions whose headings add up to between -pi and pi": hint(
         "turn the second step by the first heading, add the first place; the headings add up",
-        [_poses([1.0, 2.0, 0.4], [0.5, 0.2, 0.3]), _poses([0.0, 1.0, -2.0], [1.5, -0.5, 1.0])],
+        _poses([1.0, 2.0, 0.4], [0.5, 0.2, 0.3]),
+        _poses([0.0, 1.0, -2.0], [1.5, -0.5, 1.0]),
     ),
-    Topic(
-        "headings 2.8 and 1.4, whose sum is above pi",
-        "wrap the heading into -pi to pi: take 2 pi off",
-        [_poses([2.0, 0.0, 2.8], [1.0, 0.0, 1.4])],
+    "headings 2.8 and 1.4, whose sum is above pi": hint(
+        "wrap the heading into -pi to pi: take 2 pi off", _poses([2.0, 0.0, 2.8], [1.0, 0.0, 1.4])
     ),
-    Topic(
-        "headings -2.8 and -1.4, whose sum is below -pi",
-        "wrap the heading into -pi to pi: add 2 pi",
-        [_poses([2.0, 0.0, -2.8], [1.0, 0.0, -1.4])],
+    "headings -2.8 and -1.4, whose sum is below -pi": hint(
+        "wrap the heading into -pi to pi: add 2 pi", _poses([2.0, 0.0, -2.8], [1.0, 0.0, -1.4])
     ),
-    Topic(
-        "no motion, a turn where the robot stands, a step of 2 cm and a turn of 0.03",
+    "no motion, a turn where the robot stands, a step of 2 cm and a turn of 0.03": hint(
         "a track is made of many small motions: leave none of them out",
-        [
-            _poses([1.0, 2.0, 0.4], [0.0, 0.0, 0.0]),
-            _poses([1.0, 2.0, 0.5], [0.0, 0.0, 0.5]),
-            _poses([1.0, 2.0, 0.4], [0.02, 0.01, 0.03]),
-            _poses([1.0, 2.0, 0.02], [1.0, 0.0, 0.01]),
-        ],
+        _poses([1.0, 2.0, 0.4], [0.0, 0.0, 0.0]),
+        _poses([1.0, 2.0, 0.5], [0.0, 0.0, 0.5]),
+        _poses([1.0, 2.0, 0.4], [0.02, 0.01, 0.03]),
+        _poses([1.0, 2.0, 0.02], [1.0, 0.0, 0.01]),
     ),
-    Topic(
-        "30 random pairs",
+    "30 random pairs": hint(
         "the simple cases are right; does a part of your formula hold for some headings only?",
-        list(np.random.default_rng(2).uniform([-4, -4, -np.pi], [4, 4, np.pi], (30, 2, 3))),
+        *np.random.default_rng(2).uniform([-4, -4, -np.pi], [4, 4, np.pi], (30, 2, 3)),
     ),
-]
+}
 MISTAKES = """
 the second pose is seen from the first: turn its step by the first heading
     to_world(first, second[..., :2]) -> (first + second)[..., :2]
@@ -82,8 +68,7 @@ the second pose's x and y are both needed, with their signs, not only its distan
 the step comes before the turn that the second heading makes; do not turn it by half
     to_world(first, -> to_world(first + second * [0, 0, 0.5],
 x and y of the turned step are exchanged
-    to_world(first, second[..., :2])
-        -> first[:2] + to_world(first * [0, 0, 1], second[:2])[::-1]
+    to_world(first, second[..., :2]) -> first[:2] + to_world(first * [0, 0, 1], second[:2])[::-1]
 the headings add up; do not take their mean
     wrap(first[..., 2] + second[..., 2]) -> (first[2] + second[2]) / 2
 wrap the heading into -pi to pi
@@ -121,7 +106,7 @@ def _same(got: Array, want: Array, *_: Array) -> bool:
 
 check_compose = exercise(
     compose,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="A pose, and a second one in its frame.",

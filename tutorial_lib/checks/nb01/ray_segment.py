@@ -4,12 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import Topic
-from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.checks.engine import WrongAnswer, close, exercise, hint, kind, numbers, topics
 from tutorial_lib.geometry import Array
 
 _PARALLEL = 1e-12
@@ -37,20 +32,18 @@ def _ray(origin: list, direction: list, start: list, end: list) -> tuple[Array, 
     return tuple(np.array(p, dtype=float) for p in (origin, direction, start, end))
 
 
-def _both(about: str, words: str, *cases: tuple[Array, ...]) -> Topic:
+def _both(words: str, *cases: tuple[Array, ...]) -> tuple:
     """The cases, and the same walls the other way round."""
-    return Topic(about, words, [*cases, *((o, d, end, start) for o, d, start, end in cases)])
+    return hint(words, *cases, *((o, d, end, start) for o, d, start, end in cases))
 
 
 def _onto_axes(count: int) -> list[tuple[Array, ...]]:
     """Rays at all angles onto walls along an axis, which they hit."""
-    rng = np.random.default_rng(5)
-    cases: list[tuple[Array, ...]] = []
+    rng, cases = np.random.default_rng(5), []
     for number in range(count):
-        along = number % 2
         start = rng.uniform(-4, 4, 2)
         end = start.copy()
-        end[along] += rng.uniform(1, 4)
+        end[number % 2] += rng.uniform(1, 4)
         origin, hit = rng.uniform(-4, 4, 2), start + rng.uniform(0.2, 0.8) * (end - start)
         cases.append((origin, (hit - origin) / np.linalg.norm(hit - origin), start, end))
     return cases
@@ -65,106 +58,90 @@ def _random(count: int) -> list[tuple[Array, ...]]:
     return [(o, d, a, b) for (o, a, b), d in zip(places, directions, strict=True)]
 
 
-TOPICS = [
-    Topic(
-        "a wall straight ahead",
+TOPICS = {
+    "a wall straight ahead": hint(
         "solve for t and u by the two fractions above; t is the answer",
-        [_ray(_BY, _AHEAD, [2, -1], [2, 1.5])],
+        _ray(_BY, _AHEAD, [2, -1], [2, 1.5]),
     ),
-    _both(
-        "the same wall the other way round",
+    "the same wall the other way round": _both(
         "which end is the start does not matter: the denominator may be negative",
         _ray(_BY, _AHEAD, [2, -1], [2, 1.5]),
     ),
-    _both(
-        "slanting rays and walls",
+    "slanting rays and walls": _both(
         "check the signs of the two fractions",
         _ray(_BY, _SLANTED, [0, 2], [3, 1.4]),
         _ray(_BY, [-0.6, 0.8], [-3, 1], [1, 2]),
         _ray(_BY, [-0.8, -0.6], [-3, -1], [1, -2]),
     ),
-    Topic(
-        "a wall to the side, whose start is nearer to the ray",
+    "a wall to the side, whose start is nearer to the ray": hint(
         "the ray passes before the wall's start: u is negative, so it misses",
-        [_ray(_BY, _AHEAD, [2, 1], [2, 3]), _ray(_BY, _SLANTED, [2, 1], [4, 0])],
+        _ray(_BY, _AHEAD, [2, 1], [2, 3]),
+        _ray(_BY, _SLANTED, [2, 1], [4, 0]),
     ),
-    Topic(
-        "a wall to the side, whose end is nearer to the ray",
+    "a wall to the side, whose end is nearer to the ray": hint(
         "the ray passes beyond the wall's end: u is above 1, so it misses",
-        [_ray(_BY, _AHEAD, [2, 3], [2, 1]), _ray(_BY, _SLANTED, [4, 0], [2, 1])],
+        _ray(_BY, _AHEAD, [2, 3], [2, 1]),
+        _ray(_BY, _SLANTED, [4, 0], [2, 1]),
     ),
-    _both(
-        "a wall that the ray just misses",
+    "a wall that the ray just misses": _both(
         "beyond an end by a centimetre or less is a miss, too: u runs from 0 to 1, exactly",
         _ray(_BY, _AHEAD, [2, 0.26], [2, 1.26]),
         _ray(_BY, _AHEAD, [2, -0.75], [2, 0.24]),
         _ray(_BY, _AHEAD, [2, 0.2501], [2, 1.2501]),
     ),
-    _both(
-        "a wall behind the robot",
+    "a wall behind the robot": _both(
         "a ray runs one way only: t is negative, so it misses",
         _ray(_BY, _AHEAD, [-1, -1], [-1, 1]),
         _ray(_BY, _AHEAD, [0.25, -1], [0.25, 1]),
         _ray(_BY, _AHEAD, [0.4999, -1], [0.4999, 1]),
         _ray(_BY, _SLANTED, [-2, 0], [2, -2]),
     ),
-    _both(
-        "a ray that starts on the wall",
-        "t = 0 counts: the answer is 0",
-        _ray(_AT, _AHEAD, [0, -1], [0, 1]),
+    "a ray that starts on the wall": _both(
+        "t = 0 counts: the answer is 0", _ray(_AT, _AHEAD, [0, -1], [0, 1])
     ),
-    _both(
-        "a ray that hits exactly an end of the wall",
+    "a ray that hits exactly an end of the wall": _both(
         "u = 0 and u = 1 count: the ray hits",
         _ray(_AT, _AHEAD, [2, 0], [2, 1]),
         _ray(_AT, [0, 1], [-2, 4], [0, 4]),
     ),
-    _both(
-        "a parallel wall, beside the ray",
+    "a parallel wall, beside the ray": _both(
         "it is missed: return np.inf before you divide by zero",
         _ray(_BY, _AHEAD, [1, 1], [3, 1]),
         _ray(_AT, _SLANTED, [1, 0], [1.6, 0.8]),
     ),
-    _both(
-        "a wall along the ray",
+    "a wall along the ray": _both(
         "it is parallel too, so it is missed: return np.inf",
         _ray(_BY, _AHEAD, [1, 0.25], [3, 0.25]),
         _ray(_AT, _AHEAD, [-1, 0], [1, 0]),
     ),
-    _both(
-        "a wall along a slanting ray, whose denominator is 1e-16",
+    "a wall along a slanting ray, whose denominator is 1e-16": _both(
         "rounding keeps it from being zero: what is below 1e-12 counts as parallel, to either side",
         _ray([0, 0.1], _SLANTED, [0.3, 0.5], [0.9, 1.3]),
         _ray([0, 0.1], _SLANTED, [0.36, 0.58], [0.66, 0.98]),
     ),
-    _both(
-        "a wall 200 m away",
+    "a wall 200 m away": _both(
         "the function has no largest range: far hits count, too",
         _ray(_BY, _AHEAD, [200, -300], [200, 300]),
     ),
-    _both(
-        "a wall that is almost parallel to the ray",
+    "a wall that is almost parallel to the ray": _both(
         "a small denominator is not zero: only what is below 1e-12 counts as parallel",
         _ray(_AT, _AHEAD, [10, -0.0001], [20, 0.0001]),
         _ray(_AT, _AHEAD, [1, -2e-10], [3, 2e-10]),
     ),
-    _both(
-        "walls of 1 cm and of 1 mm",
+    "walls of 1 cm and of 1 mm": _both(
         "a short wall has a small denominator, but it is not parallel",
         _ray(_BY, _AHEAD, [3, 0.245], [3, 0.255]),
         _ray(_BY, _AHEAD, [3, 0.2495], [3, 0.2505]),
     ),
-    Topic(
-        "60 random rays",
+    "60 random rays": hint(
         "the simple cases are right; does a part of your rule hold for some directions only?",
-        _random(60),
+        *_random(60),
     ),
-    Topic(
-        "20 slanting rays that hit a wall along x or y",
+    "20 slanting rays that hit a wall along x or y": hint(
         "u says whether the ray hits; where the hit lies is rounded, and may be beside the wall",
-        _onto_axes(20),
+        *_onto_axes(20),
     ),
-]
+}
 MISTAKES = """
 the ray passes beyond the wall's ends there: test u, on both sides
     t >= 0 and 0 <= u <= 1 -> t >= 0
@@ -250,7 +227,7 @@ def _difference(got: Array, want: float, *case: Array) -> str:
 
 check_ray_segment = exercise(
     ray_segment,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="A ray against one wall: hits, misses, ends, walls behind and parallel ones.",

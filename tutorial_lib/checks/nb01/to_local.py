@@ -2,68 +2,53 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.topics import Topic
+from tutorial_lib.checks.engine import case, exercise, hint, numbers, topics
 from tutorial_lib.se2 import to_local
 
 _RNG = np.random.default_rng(1)
 _POSES = _RNG.uniform([-5, -5, -7], [5, 5, 7], (20, 3))
 _UP = np.array([0.0, 0.0, np.pi / 2])
-TOPICS = [
-    Topic(
-        "a robot at the origin with heading 0",
+TOPICS = {
+    "a robot at the origin with heading 0": hint(
         "its frame is that of the world: each point comes back as it is, in its own row",
-        [
-            case(np.zeros(3), _RNG.uniform(-4, 4, (5, 2))),
-            case(np.zeros(3), np.array([[1.0, 2.0], [0.5, -1.0], [1.0, 2.0]])),
-        ],
+        case(np.zeros(3), _RNG.uniform(-4, 4, (5, 2))),
+        case(np.zeros(3), np.array([[1.0, 2.0], [0.5, -1.0], [1.0, 2.0]])),
     ),
-    Topic(
-        "a robot at (2, -1) with heading 0",
+    "a robot at (2, -1) with heading 0": hint(
         "this needs only the shift: subtract x from x and y from y",
-        [case(np.array([2.0, -1.0, 0.0]), _RNG.uniform(-4, 4, (5, 2)))],
+        case(np.array([2.0, -1.0, 0.0]), _RNG.uniform(-4, 4, (5, 2))),
     ),
-    Topic(
-        "a robot at the origin that faces +y, and a point 1 m up",
+    "a robot at the origin that faces +y, and a point 1 m up": hint(
         "the point is straight ahead, so its local coordinates are (1, 0)",
-        [case(_UP, np.array([[0.0, 1.0]]))],
+        case(_UP, np.array([[0.0, 1.0]])),
     ),
-    Topic(
-        "a robot at the origin that faces +y, and a point 1 m to the west",
+    "a robot at the origin that faces +y, and a point 1 m to the west": hint(
         "the point is to the robot's left, so its local coordinates are (0, 1)",
-        [case(_UP, np.array([[-1.0, 0.0]]))],
+        case(_UP, np.array([[-1.0, 0.0]])),
     ),
-    Topic(
-        "a robot at (1, 2) with heading +0.7, and five points on all sides",
+    "a robot at (1, 2) with heading +0.7, and five points on all sides": hint(
         "shift first, then two dot products: one with the robot's heading, one with its left",
-        [case(np.array([1.0, 2.0, 0.7]), _RNG.uniform(-4, 4, (5, 2)))],
+        case(np.array([1.0, 2.0, 0.7]), _RNG.uniform(-4, 4, (5, 2))),
     ),
-    Topic(
-        "a robot with a negative heading",
+    "a robot with a negative heading": hint(
         "a negative heading is a turn to the right; the same formula holds",
-        [case(np.array([1.0, 2.0, -0.7]), _RNG.uniform(-4, 4, (5, 2)))],
+        case(np.array([1.0, 2.0, -0.7]), _RNG.uniform(-4, 4, (5, 2))),
     ),
-    Topic(
-        "points at whole numbers of metres",
+    "points at whole numbers of metres": hint(
         "their local coordinates have digits: np.zeros_like and astype take over the type of "
         "whole numbers, which cuts them off",
-        [
-            case(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]])),
-            case(np.array([0.5, 0.5, 0.0]), np.array([[1, 2], [3, 4]])),
-        ],
+        case(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]])),
+        case(np.array([0.5, 0.5, 0.0]), np.array([[1, 2], [3, 4]])),
     ),
-    Topic(
-        "points within 5 cm of the robot, and a heading of 0.03",
+    "points within 5 cm of the robot, and a heading of 0.03": hint(
         "a near point is a point like any other, and a small turn a turn: leave nothing out",
-        [case(np.array([1.0, 2.0, 0.03]), np.array([[1.03, 2.02], [0.96, 1.99], [1.001, 2.0]]))],
+        case(np.array([1.0, 2.0, 0.03]), np.array([[1.03, 2.02], [0.96, 1.99], [1.001, 2.0]])),
     ),
-    Topic(
-        "20 random poses with one to nine points",
+    "20 random poses with one to nine points": hint(
         "the simple cases are right; does a part of your formula hold for some headings only?",
-        [case(pose, _RNG.uniform(-9, 9, (1 + i % 9, 2))) for i, pose in enumerate(_POSES)],
+        *(case(pose, _RNG.uniform(-9, 9, (1 + i % 9, 2))) for i, pose in enumerate(_POSES)),
     ),
-]
+}
 MISTAKES = """
 the robot's frame is turned the wrong way; use minus the heading
     np.sin(pose[..., 2]) -> -np.sin(pose[..., 2])
@@ -106,7 +91,7 @@ the heading goes through an arctan, which takes half a turn from some
 """
 check_to_local = exercise(
     to_local,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="Points of the world in the robot's frame.",

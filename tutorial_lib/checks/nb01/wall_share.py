@@ -1,14 +1,12 @@
 """The check of a column of the camera, in notebook 01."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.topics import Topic
+from tutorial_lib.checks.engine import case, close, exercise, hint, numbers, topics
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera
@@ -29,38 +27,32 @@ def wall_share(depth: float, rows: int) -> Array:
 
 _DEPTHS, _ROWS = (0.6, 1.0, 1.7, 3.1, 6.0), 16
 _RNG = np.random.default_rng(5)
-TOPICS = [
-    Topic(
-        "a wall at 1.7 m, 16 rows",
+TOPICS = {
+    "a wall at 1.7 m, 16 rows": hint(
         "compare with the picture: which rows does the wall reach, from which slope to which?",
-        [(1.7, _ROWS)],
+        (1.7, _ROWS),
     ),
-    Topic(
-        "a wall at 6 m, 16 rows",
-        "far away the wall covers a few rows only; the others are 0",
-        [(6.0, _ROWS)],
+    "a wall at 6 m, 16 rows": hint(
+        "far away the wall covers a few rows only; the others are 0", (6.0, _ROWS)
     ),
-    Topic(
-        "a wall at 0.6 m, 16 rows",
-        "a near wall reaches beyond the image; a covered row is 1, no more",
-        [(0.6, _ROWS)],
+    "a wall at 0.6 m, 16 rows": hint(
+        "a near wall reaches beyond the image; a covered row is 1, no more", (0.6, _ROWS)
     ),
-    Topic(
-        "16 rows, other depths",
+    "16 rows, other depths": hint(
         "the depth is an argument: twice as far, half the slopes",
-        [*((depth, _ROWS) for depth in _DEPTHS), (0.2, _ROWS), (30.0, _ROWS)],
+        *((depth, _ROWS) for depth in _DEPTHS),
+        (0.2, _ROWS),
+        (30.0, _ROWS),
     ),
-    Topic(
-        "other numbers of rows",
+    "other numbers of rows": hint(
         "the number of rows is an argument: it sets h and the shape; one row may hold all the wall",
-        [(2.0, count) for count in (64, 4, 7, 1)],
+        *((2.0, count) for count in (64, 4, 7, 1)),
     ),
-    Topic(
-        "30 random columns",
+    "30 random columns": hint(
         "the simple cases are right; does a part of your rule hold for some depths only?",
-        [(float(_RNG.uniform(0.2, 9)), int(_RNG.integers(1, 70))) for _ in range(30)],
+        *((float(_RNG.uniform(0.2, 9)), int(_RNG.integers(1, 70))) for _ in range(30)),
     ),
-]
+}
 MISTAKES = """
 some pixels are partly covered; give the share, not 0 or 1
     np.clip(overlap / height, 0, 1)
@@ -162,10 +154,6 @@ def _form(what: str, answer: object, depth: float, rows: int) -> Array:
     return numbers(what, answer, (rows,))
 
 
-def _same(got: Array, want: Array, *case: object) -> bool:
-    return close(got, want, tolerance=_TOLERANCE)
-
-
 def _difference(got: Array, want: Array, depth: float, rows: int) -> str:
     if np.isnan(got).any():
         return "some of it is not a number"
@@ -191,13 +179,13 @@ def _picture(student: Callable[..., Array]) -> NDArray[np.uint8]:
 
 check_wall_share = exercise(
     wall_share,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="Columns of an image, with exact shares.",
     example=case(2.0, 16),
     form=_form,
-    same=_same,
+    same=partial(close, tolerance=_TOLERANCE),
     difference=_difference,
     draw=_picture,
 )

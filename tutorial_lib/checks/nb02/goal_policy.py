@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.topics import Topic
-from tutorial_lib.checks.nb02.policy_parts import Policies, differing, policies_of, same_policies
+from tutorial_lib.checks.engine import case, exercise, hint, topics
+from tutorial_lib.checks.nb02.policy_parts import differing, policies_of, same_policies
 from tutorial_lib.driving.control.rmp_arithmetic import goal_policy
-from tutorial_lib.geometry import Array
 
 _RNG = np.random.default_rng(6)
 _STILL, _MANY = np.zeros(2), _RNG.uniform(-3, 3, (4, 2))
@@ -20,64 +18,51 @@ _RANDOM = [
     )
     for i in range(24)
 ]
-TOPICS = [
-    Topic(
-        "one point at rest, far from its goal",
+TOPICS = {
+    "one point at rest, far from its goal": hint(
         "the offset divided by its length, times the gain; the metric is the 2 x 2 identity. "
         "One point has the shape (2,): use axis=-1",
-        [(np.array([3.0, 0.0]), _STILL, *_USUAL), (np.array([0.3, -1.2]), _STILL, *_USUAL)],
+        (np.array([3.0, 0.0]), _STILL, *_USUAL),
+        (np.array([0.3, -1.2]), _STILL, *_USUAL),
     ),
-    Topic(
-        "one point that moves",
+    "one point that moves": hint(
         "subtract the damping times the velocity, component by component",
-        [(np.array([0.3, -1.2]), np.array([0.2, 0.1]), *_USUAL)],
+        (np.array([0.3, -1.2]), np.array([0.2, 0.1]), *_USUAL),
     ),
-    Topic(
-        "several points at once",
+    "several points at once": hint(
         "each row has a length and a metric of its own: axis=-1 and keepdims=True",
-        [
-            (_MANY, _RNG.uniform(-1, 1, (4, 2)), *_USUAL),
-            (np.array([[3.0, 4.0], [0.0, 1.0]]), np.zeros((2, 2)), *_USUAL),
-        ],
+        (_MANY, _RNG.uniform(-1, 1, (4, 2)), *_USUAL),
+        (np.array([[3.0, 4.0], [0.0, 1.0]]), np.zeros((2, 2)), *_USUAL),
     ),
-    Topic(
-        "points within `near` of their goals",
+    "points within `near` of their goals": hint(
         "nearer than `near`, divide by `near`: the pull fades evenly, and is nothing at 0 only",
-        [
-            (np.array([[0.05, 0.1], [-0.2, 0.0], [0.0, 0.34]]), np.zeros((3, 2)), *_USUAL),
-            (np.array([[0.02, 0.01], [0.0, -0.004]]), np.zeros((2, 2)), *_USUAL),
-        ],
+        (np.array([[0.05, 0.1], [-0.2, 0.0], [0.0, 0.34]]), np.zeros((3, 2)), *_USUAL),
+        (np.array([[0.02, 0.01], [0.0, -0.004]]), np.zeros((2, 2)), *_USUAL),
     ),
-    Topic(
-        "a point at its goal",
+    "a point at its goal": hint(
         "there the offset is 0: dividing by the larger of length and `near` gives no pull",
-        [(np.zeros(2), np.array([0.1, 0.2]), *_USUAL)],
+        (np.zeros(2), np.array([0.1, 0.2]), *_USUAL),
     ),
-    Topic(
-        "another gain",
+    "another gain": hint(
         "the gain is an argument; use it, and no number in its place",
-        [(_MANY, 0.1 * _MANY, gain, 3.0, 0.35) for gain in (0.6, 1.0, 3.6)],
+        *((_MANY, 0.1 * _MANY, gain, 3.0, 0.35) for gain in (0.6, 1.0, 3.6)),
     ),
-    Topic(
-        "another damping",
+    "another damping": hint(
         "the damping is an argument; use it, and no number in its place",
-        [
+        *(
             (_MANY * scale, 0.1 * _MANY, 2.4, damping, 0.35)
             for scale in (1.0, 0.02)
             for damping in (0.5, 1.0, 5.0)
-        ],
+        ),
     ),
-    Topic(
-        "another `near`",
+    "another `near`": hint(
         "`near` is an argument; use it, and no number in its place",
-        [(_MANY, 0.1 * _MANY, 2.4, 3.0, near) for near in (1.5, 2.5, 0.01)],
+        *((_MANY, 0.1 * _MANY, 2.4, 3.0, near) for near in (1.5, 2.5, 0.01)),
     ),
-    Topic(
-        "24 random groups of points, also a grid (2, 3, 2)",
-        "the simple cases are right; work on the last axis, whatever comes before it",
-        _RANDOM,
+    "24 random groups of points, also a grid (2, 3, 2)": hint(
+        "the simple cases are right; work on the last axis, whatever comes before it", *_RANDOM
     ),
-]
+}
 MISTAKES = """
 the pull is as strong from far away as from nearby: divide the offset by its length
     gain * offsets / np.maximum(distance, near) -> gain * offsets
@@ -156,18 +141,14 @@ the metric is the identity: ones on the diagonal only
 """
 
 
-def _form(what: str, answer: object, offsets: Array, *_: object) -> Policies:
-    return policies_of(what, answer, offsets.shape, (*offsets.shape, 2))
-
-
 check_goal_policy = exercise(
     goal_policy,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="The pull to a goal, with damping, far and near, of one point and of many.",
     example=case(np.ones((100, 2)), np.zeros((100, 2)), 2.4, 3.0, 0.35),
-    form=_form,
+    form=lambda what, got, offsets, *_: policies_of(what, got, offsets.shape, (*offsets.shape, 2)),
     same=same_policies,
     difference=differing,
 )

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.topics import Topic
-from tutorial_lib.checks.nb02.policy_parts import Policies, differing, policies_of, same_policies
+from tutorial_lib.checks.engine import case, exercise, hint, topics
+from tutorial_lib.checks.nb02.policy_parts import differing, policies_of, same_policies
 from tutorial_lib.driving.control.rmp_arithmetic import obstacle_policy
-from tutorial_lib.geometry import Array
 
 _RNG = np.random.default_rng(7)
 _USUAL = (0.12, 0.3, 0.4, 0.1)
@@ -25,58 +23,45 @@ def _changed(place: int, *values: float) -> list[tuple]:
     return [(_DISTANCES, _CLOSING, *each) for each in gains]
 
 
-TOPICS = [
-    Topic(
-        "obstacles at rest",
+TOPICS = {
+    "obstacles at rest": hint(
         "without closing speed: push / distance, and a metric that falls with the distance",
-        [(_DISTANCES, np.zeros(3), *_USUAL)],
+        (_DISTANCES, np.zeros(3), *_USUAL),
     ),
-    Topic(
-        "obstacles that come nearer",
+    "obstacles that come nearer": hint(
         "the brake times the closing speed is added to the push, before the division",
-        [(_DISTANCES, scale * _CLOSING, *_USUAL) for scale in (1.0, 0.1, 5.0)],
+        *((_DISTANCES, scale * _CLOSING, *_USUAL) for scale in (1.0, 0.1, 5.0)),
     ),
-    Topic(
-        "obstacles that recede",
+    "obstacles that recede": hint(
         "a negative closing speed counts as 0: the push stays, the brake is off",
-        [(_DISTANCES, -_CLOSING, *_USUAL)],
+        (_DISTANCES, -_CLOSING, *_USUAL),
     ),
-    Topic(
-        "obstacles at 3 mm, at contact and overlapping",
+    "obstacles at 3 mm, at contact and overlapping": hint(
         "first limit the distances from below to 0.01 m; then use them in both formulas",
-        [(np.array([0.003, 0.0, -0.3]), np.array([0.0, 0.1, 0.2]), *_USUAL)],
+        (np.array([0.003, 0.0, -0.3]), np.array([0.0, 0.1, 0.2]), *_USUAL),
     ),
-    Topic(
-        "obstacles at 1.2 cm and at 3 m",
+    "obstacles at 1.2 cm and at 3 m": hint(
         "only distances below 0.01 m are limited, and no obstacle is left out",
-        [(np.array([0.012, 3.0, 0.9]), np.array([0.1, 0.1, -0.1]), *_USUAL)],
+        (np.array([0.012, 3.0, 0.9]), np.array([0.1, 0.1, -0.1]), *_USUAL),
     ),
-    Topic(
-        "another push",
-        "the push is an argument; use it, and no number in its place",
-        _changed(0, 0.0, 0.5),
+    "another push": hint(
+        "the push is an argument; use it, and no number in its place", *_changed(0, 0.0, 0.5)
     ),
-    Topic(
-        "another brake",
-        "the brake is an argument; use it, and no number in its place",
-        _changed(1, 0.0, 0.9),
+    "another brake": hint(
+        "the brake is an argument; use it, and no number in its place", *_changed(1, 0.0, 0.9)
     ),
-    Topic(
-        "another weight",
-        "the weight is an argument; use it, and no number in its place",
-        _changed(2, 0.0, 3.0),
+    "another weight": hint(
+        "the weight is an argument; use it, and no number in its place", *_changed(2, 0.0, 3.0)
     ),
-    Topic(
-        "another fade",
+    "another fade": hint(
         "the fade is an argument, a length in metres; use it, and no number in its place",
-        _changed(3, 0.03, 0.6),
+        *_changed(3, 0.03, 0.6),
     ),
-    Topic(
-        "30 random groups of one to eight obstacles",
+    "30 random groups of one to eight obstacles": hint(
         "the simple cases are right; does a part of your rule hold for some obstacles only?",
-        [_random() for _ in range(30)],
+        *(_random() for _ in range(30)),
     ),
-]
+}
 MISTAKES = """
 the two are exchanged: give the accelerations first
     away, weight * np.exp(-distances / fade) -> weight * np.exp(-distances / fade), away
@@ -167,18 +152,14 @@ each metric stands alone; do not divide them by their sum
 """
 
 
-def _form(what: str, answer: object, distances: Array, *_: object) -> Policies:
-    return policies_of(what, answer, distances.shape, distances.shape)
-
-
 check_obstacle_policy = exercise(
     obstacle_policy,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="The push off an obstacle: near and far, closing and receding, and at contact.",
     example=case(np.linspace(0.05, 1, 100), np.zeros(100), 0.12, 0.12, 0.3, 0.08),
-    form=_form,
+    form=lambda what, got, distances, *_: policies_of(what, got, distances.shape, distances.shape),
     same=same_policies,
     difference=differing,
 )

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import numbers, parts
-from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.checks.engine import WrongAnswer, close, farthest, numbers, parts
 from tutorial_lib.geometry import Array
 
 Policies = tuple[Array, Array]
@@ -13,19 +12,14 @@ Policies = tuple[Array, Array]
 def policies_of(
     what: str, answer: object, accelerations: tuple[int, ...], metrics: tuple[int, ...]
 ) -> Policies:
-    """An answer as accelerations and metrics of these shapes.
-
-    Raises:
-        WrongAnswer: when it is something else.
-    """
+    """An answer as accelerations and metrics of these shapes."""
     if isinstance(answer, np.ndarray) and accelerations == metrics and len(answer) == 2:
         answer = tuple(answer)
     words = "return two things, the accelerations and the metrics"
     first, second = parts(what, answer, 2, words)
     shapes = tuple(part.shape for part in (first, second) if isinstance(part, np.ndarray))
     if shapes == (metrics, accelerations) and metrics != accelerations:
-        words = "the two are exchanged: give the accelerations first"
-        parts(what, (), 2, words)
+        raise WrongAnswer(f"{what}: the two are exchanged: give the accelerations first")
     return (
         numbers(f"{what}: the accelerations", first, accelerations),
         numbers(f"{what}: the metrics", second, metrics),
@@ -34,7 +28,7 @@ def policies_of(
 
 def same_policies(got: Policies, want: Policies, *_: object) -> bool:
     """Whether both parts agree."""
-    return all(close(*pair, tolerance=1e-6) for pair in zip(got, want, strict=True))
+    return all(map(close, got, want))
 
 
 def differing(got: Policies, want: Policies, *_: object) -> str:

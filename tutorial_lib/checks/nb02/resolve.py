@@ -6,11 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import farthest
-from tutorial_lib.checks.framework.topics import Topic
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, farthest, hint, numbers, topics
 from tutorial_lib.geometry import Array
 
 Policy = tuple[Array, Array, Array]
@@ -53,63 +49,54 @@ _STRONG: Policy = (np.array([[1.0, 0.0]]), np.ones(1), np.array([[1e4]]))
 _WEAK: Policy = (np.array([[0.0, 1.0]]), np.ones(1), np.array([[0.01]]))
 _FAINT: Policy = (np.eye(2), _GOAL[1], 1e-6 * np.eye(2))
 _SPATIAL: Policy = (_RNG.normal(size=(3, 2)), _RNG.normal(size=3), np.diag([1.0, 0.5, 2.0]))
-TOPICS = [
-    Topic(
-        "one policy alone that acts on the controls themselves",
-        "with J the identity its acceleration comes back as it is",
-        [([_GOAL],)],
+TOPICS = {
+    "one policy alone that acts on the controls themselves": hint(
+        "with J the identity its acceleration comes back as it is", ([_GOAL],)
     ),
-    Topic(
-        "one policy alone whose Jacobian is not the identity",
-        "force J^T M a, metric J^T M J, and then one np.linalg.solve",
-        [([_TURNED],)],
+    "one policy alone whose Jacobian is not the identity": hint(
+        "force J^T M a, metric J^T M J, and then one np.linalg.solve", ([_TURNED],)
     ),
-    Topic(
-        "two policies that disagree",
+    "two policies that disagree": hint(
         "the result is their mean, weighted with the metrics: sum both, then solve once",
-        [([_GOAL, _SLOW],), ([_SLOW, _GOAL],)],
+        ([_GOAL, _SLOW],),
+        ([_SLOW, _GOAL],),
     ),
-    Topic(
-        "goal and wall",
+    "goal and wall": hint(
         "a wall has one row: J is (1, 2), a is (1,) and M is (1, 1); the same products hold",
-        [([_GOAL, _WALL],), ([_WALL, _GOAL],)],
+        ([_GOAL, _WALL],),
+        ([_WALL, _GOAL],),
     ),
-    Topic(
-        "a wall alone",
-        "no policy constrains one direction: add 1e-6 to the diagonal",
-        [([_WALL],)],
+    "a wall alone": hint(
+        "no policy constrains one direction: add 1e-6 to the diagonal", ([_WALL],)
     ),
-    Topic(
-        "three policies",
+    "three policies": hint(
         "all of them count, in any order",
-        [([_GOAL, _WALL, _TURNED],), ([_TURNED, _GOAL, _WALL],), ([_SPATIAL, _WALL, _GOAL],)],
+        ([_GOAL, _WALL, _TURNED],),
+        ([_TURNED, _GOAL, _WALL],),
+        ([_SPATIAL, _WALL, _GOAL],),
     ),
-    Topic(
-        "weak policies",
+    "weak policies": hint(
         "what you add to the diagonal must be 1e-6: more of it slows weak policies down",
-        [([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],), ([_STRONG, _WEAK],)],
+        ([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],),
+        ([_STRONG, _WEAK],),
     ),
-    Topic(
-        "a policy that wants much",
+    "a policy that wants much": hint(
         "limit nothing here: whoever calls this function limits speed and steering",
-        [([(_GOAL[0], 20 * _GOAL[1], _GOAL[2]), _WALL],)],
+        ([(_GOAL[0], 20 * _GOAL[1], _GOAL[2]), _WALL],),
     ),
-    Topic(
-        "policies that weigh next to nothing",
+    "policies that weigh next to nothing": hint(
         "add 1e-6 to the diagonal of the sum, once; it halves what a policy of 1e-6 wants",
-        [([_FAINT],), ([_FAINT, _FAINT, _FAINT],)],
+        ([_FAINT],),
+        ([_FAINT, _FAINT, _FAINT],),
     ),
-    Topic(
-        "25 random groups of one to six policies",
+    "25 random groups of one to six policies": hint(
         "the simple cases are right; does a part of your rule hold for some policies only?",
-        [(_group(_RNG),) for _ in range(25)],
+        *((_group(_RNG),) for _ in range(25)),
     ),
-    Topic(
-        "no policy at all",
-        "nothing is wanted: begin with np.zeros(2) and 1e-6 * np.eye(2), and add to them",
-        [([],)],
+    "no policy at all": hint(
+        "nothing is wanted: begin with np.zeros(2) and 1e-6 * np.eye(2), and add to them", ([],)
     ),
-]
+}
 MISTAKES = """
 that is the force; the metric still has to be divided out: np.linalg.solve
     np.linalg.solve(metric + 1e-6 * np.eye(2), force) -> force
@@ -183,37 +170,30 @@ the 1e-6 is missing: add it to the diagonal in every case, and solve; no pseudo-
 
 def _invoke(what: str, student: Callable[..., Any], policies: list[Policy]) -> Any:  # noqa: ANN401
     """Call a student's function, and demand that it leaves list and arrays alone."""
-    del what
-    kept = [tuple(part.copy() for part in policy) for policy in policies]
     given = [tuple(part.copy() for part in policy) for policy in policies]
     answer = student(given)
-    if len(given) != len(kept):
+    if len(given) != len(policies):
         raise WrongAnswer("your function changes the list of policies; only read it")
-    pairs = zip(sum(kept, ()), sum(given, ()), strict=True)
+    pairs = zip(sum(policies, ()), sum(given, ()), strict=True)
     if not all(np.array_equal(old, new) for old, new in pairs):
         raise WrongAnswer("your function changes the policies; make new arrays")
     return answer
 
 
-def _same(got: Array, want: Array, policies: list[Policy]) -> bool:
-    return bool(np.allclose(got, want, atol=2e-4, rtol=1e-4))
-
-
 def _difference(got: Array, want: Array, *_: object) -> str:
-    nearly = "; if you add to the diagonal, add 1e-6, no more"
-    close_by = np.allclose(got, want, rtol=0.05, atol=0.0)
-    return farthest(got, want) + (nearly if close_by else "")
+    words, nearly = farthest(got, want), np.allclose(got, want, rtol=0.05, atol=0.0)
+    return f"{words}; if you add to the diagonal, add 1e-6, no more" if nearly else words
 
 
 check_resolve = exercise(
     resolve,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="One policy, some that agree, some that do not, and one that leaves a direction free.",
     example=case([_GOAL, _WALL, _TURNED] * 10),
     invoke=_invoke,
     form=lambda what, answer, policies: numbers(what, answer, (2,)),
-    same=_same,
+    same=lambda got, want, *_: np.allclose(got, want, atol=2e-4, rtol=1e-4),
     difference=_difference,
 )

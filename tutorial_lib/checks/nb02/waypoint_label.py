@@ -1,50 +1,28 @@
 """The check of the waypoint label, in notebook 02."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import Mask, WrongAnswer, exercise, hint, numbers, topics
 from tutorial_lib.checks.framework.comparison import close, farthest
-from tutorial_lib.checks.framework.topics import Topic
-from tutorial_lib.checks.nb02.label_cases import (
-    CORNER,
-    CORNER_WALL,
-    FAR_WALL,
-    LONG,
-    POST,
-    ROUND,
-    STRAIGHT,
-    Sees,
-    among,
-    case,
-    clear_sight,
-    only,
-    random_case,
-)
-from tutorial_lib.se2 import Array, to_local
+from tutorial_lib.learning.labels import in_clear_sight
+from tutorial_lib.se2 import Array, arc_length, to_local
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label as label_on
 from tutorial_lib.world.raycast import Raycaster
+
+Sees = Callable[[Array, Array], Mask]
+"""Which of points (C, 2) are in clear sight of a place (2,)."""
 
 
 def waypoint_label(
     start: Array, track: Array, source: int, target: int, sees: Sees
 ) -> Array | None:
-    """The farthest place in clear sight, in the frame of the start; None if there is none.
-
-    Args:
-        start: (3,) pose of the robot, beside frame `source`.
-        track: (T, 3) poses of the trajectory.
-        source: index of a frame.
-        target: index of a frame; one at or before the source is its own waypoint.
-        sees: returns which points (C, 2) are in clear sight of a place (2,).
-    """
+    """The farthest place in clear sight, in the frame of the start; None if there is none."""
     if target <= source:
         place = track[target, :2]
     else:
@@ -54,88 +32,141 @@ def waypoint_label(
     return None if place is None else to_local(start, place)
 
 
+def clear_sight(caster: Raycaster) -> Sees:
+    """The line-of-sight test of `waypoint_label` among the walls of a world."""
+
+    def sees(origin: Array, points: Array) -> Mask:
+        points = np.asarray(points, dtype=float)
+        return in_clear_sight(caster, np.broadcast_to(origin[:2], points.shape), points)
+
+    return sees
+
+
+def _strict(sees: Sees) -> Sees:
+    """A line-of-sight test that explains what it takes."""
+
+    def explained(place: Array, points: Array) -> Mask:
+        words = ""
+        if np.shape(place) != (2,):
+            words = f"takes a place (2,) first, not an array {np.shape(place)}: start[:2]"
+        elif np.ndim(points) != 2 or np.shape(points)[1] != 2:
+            words = f"takes points (C, 2), not an array {np.shape(points)}: track[..., :2]"
+        if words:
+            raise WrongAnswer(f"waypoint_label: sees(place, points) {words}")
+        return sees(place, points)
+
+    return explained
+
+
+def _among(walls: list[list[float]]) -> Sees:
+    """What can be seen among walls."""
+    return _strict(clear_sight(Raycaster(np.array(walls, float))))
+
+
+def _only(track: Array, frames: list[int]) -> Sees:
+    """As if these frames of a trajectory alone were in sight."""
+    places = track[frames, :2].reshape(-1, 2)
+
+    def sees(place: Array, points: Array) -> Mask:
+        gaps = np.linalg.norm(np.asarray(points)[:, None] - places, axis=2)
+        return (gaps < 1e-9).any(axis=1)
+
+    return _strict(sees)
+
+
+def _facing_ahead(points: list[tuple[float, float]]) -> Array:
+    """A trajectory (T, 3) through corners, a frame every 0.1 m."""
+    corners = np.array(points, dtype=float)
+    miles = arc_length(corners)
+    places = np.arange(0.0, miles[-1] + 0.05, 0.1)
+    xy = [np.interp(places, miles, corners[:, axis]) for axis in (0, 1)]
+    return np.stack([*xy, np.zeros(len(places))], axis=1)
+
+
+_CORNER = _facing_ahead([(0, 0), (2, 0), (2, 2.4)])
+_STRAIGHT = _facing_ahead([(0, 0), (4, 0)])
+_ROUND = _facing_ahead([(0, 0), (3, 0), (3, 0.8), (1.5, 0.8)])
+_LONG = _facing_ahead([(0, 0), (12, 0)])
+_FAR_WALL = [9.0, 9.0, 9.0, 10.0]
+_CORNER_WALL = [-1, 0.5, 1.5, 0.5]
+_POST = [1, -0.36, 1, -0.24]
+
+
+def _case(start: list[float], *others: Any) -> tuple[Any, ...]:  # noqa: ANN401
+    """The arguments of a call: start, trajectory, source, target, and what can be seen."""
+    return np.array(start), *others
+
+
+def _random(rng: np.random.Generator) -> tuple[Any, ...]:
+    """A random trajectory, any two frames of it, and any frames in sight."""
+    count = int(rng.integers(3, 30))
+    track = np.column_stack([rng.uniform(-4, 4, (count, 2)), rng.uniform(-3, 3, count)])
+    source, target = (int(i) for i in rng.integers(0, count, 2))
+    frames = np.flatnonzero(rng.random(count) < rng.choice([0.1, 0.6])).tolist()
+    return rng.uniform(-3, 3, 3), track, source, target, _only(track, frames)
+
+
 _RNG = np.random.default_rng(9)
 _NONE = "nothing is in sight, so there is no last place; return None"
 _BEHIND = "a target behind is its own waypoint, in sight or not"
-TOPICS = [
-    Topic(
-        "round a corner",
+TOPICS = {
+    "round a corner": hint(
         "of frames source + 1 to target, take the last that is in sight, as seen from start",
-        [case([1.0, -0.2, 0.3], CORNER, 10, 40, among([CORNER_WALL]))],
+        _case([1.0, -0.2, 0.3], _CORNER, 10, 40, _among([_CORNER_WALL])),
     ),
-    Topic(
-        "a target in sight",
+    "a target in sight": hint(
         "the target itself is a candidate: here it is the waypoint",
-        [case([0.2, 0.1, 0.3], CORNER, 2, 15, among([FAR_WALL]))],
+        _case([0.2, 0.1, 0.3], _CORNER, 2, 15, _among([_FAR_WALL])),
     ),
-    Topic(
-        "past a post",
+    "past a post": hint(
         "the last place in sight counts, also if a post hides some places before it",
-        [case([0.0, -0.6, 0.2], STRAIGHT, 0, 40, among([POST]))],
+        _case([0.0, -0.6, 0.2], _STRAIGHT, 0, 40, _among([_POST])),
     ),
-    Topic(
-        "out and back",
+    "out and back": hint(
         "the last place along the trajectory counts, whatever its distance in metres",
-        [case([0.0, 0.3, 0.0], ROUND, 0, len(ROUND) - 1, among([FAR_WALL]))],
+        _case([0.0, 0.3, 0.0], _ROUND, 0, len(_ROUND) - 1, _among([_FAR_WALL])),
     ),
-    Topic(
-        "a trajectory that goes on",
+    "a trajectory that goes on": hint(
         "nothing beyond the target is a candidate",
-        [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, among([FAR_WALL]))],
+        _case([0.5, 0.2, 0.1], _STRAIGHT, 5, 20, _among([_FAR_WALL])),
     ),
-    Topic(
-        "a waypoint 12 m away",
+    "a waypoint 12 m away": hint(
         "there is no largest distance: the farthest place in sight counts",
-        [case([0.0, 0.2, 0.1], LONG, 0, 120, among([FAR_WALL]))],
+        _case([0.0, 0.2, 0.1], _LONG, 0, 120, _among([_FAR_WALL])),
     ),
-    Topic(
-        "only the first candidate in sight",
+    "only the first candidate in sight": hint(
         "the first candidate is frame source + 1",
-        [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
+        _case([0.5, 0.2, 0.1], _STRAIGHT, 5, 20, _only(_STRAIGHT, [6])),
     ),
-    Topic(
-        "a waypoint 3 cm away",
+    "a waypoint 3 cm away": hint(
         "there is no smallest distance: a place beside the car counts",
-        [case([0.6, 0.03, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
+        _case([0.6, 0.03, 0.1], _STRAIGHT, 5, 20, _only(_STRAIGHT, [6])),
     ),
-    Topic(
-        "target behind, in sight",
-        _BEHIND,
-        [case([2.1, 1.5, 1.6], CORNER, 35, 25, among([CORNER_WALL]))],
+    "target behind, in sight": hint(
+        _BEHIND, _case([2.1, 1.5, 1.6], _CORNER, 35, 25, _among([_CORNER_WALL]))
     ),
-    Topic(
-        "target behind, hidden",
-        _BEHIND,
-        [case([2.1, 1.5, 1.6], CORNER, 35, 5, among([CORNER_WALL]))],
+    "target behind, hidden": hint(
+        _BEHIND, _case([2.1, 1.5, 1.6], _CORNER, 35, 5, _among([_CORNER_WALL]))
     ),
-    Topic(
-        "target at the source",
+    "target at the source": hint(
         "a target at the source's own frame is its own waypoint too: target <= source",
-        [
-            case([0.9, 0.2, -0.4], CORNER, 10, 10, among([CORNER_WALL])),
-            case([0.9, 0.2, -0.4], CORNER, 10, 10, only(CORNER, [])),
-        ],
+        _case([0.9, 0.2, -0.4], _CORNER, 10, 10, _among([_CORNER_WALL])),
+        _case([0.9, 0.2, -0.4], _CORNER, 10, 10, _only(_CORNER, [])),
     ),
-    Topic(
-        "nothing in sight",
-        _NONE,
-        [case([0.1, 0.0, 0.0], STRAIGHT, 2, 30, among([[0.25, -2, 0.25, 2]]))],
+    "nothing in sight": hint(
+        _NONE, _case([0.1, 0.0, 0.0], _STRAIGHT, 2, 30, _among([[0.25, -2, 0.25, 2]]))
     ),
-    Topic(
-        "nothing in sight but the place of source, and places before it or after the target",
+    "nothing in sight but the place of source, and places before it or after the target": hint(
         f"these are no candidates; {_NONE}",
-        [
-            case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [9])),
-            case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [3, 35])),
-        ],
+        _case([0.1, 0.3, 0.0], _STRAIGHT, 9, 30, _only(_STRAIGHT, [9])),
+        _case([0.1, 0.3, 0.0], _STRAIGHT, 9, 30, _only(_STRAIGHT, [3, 35])),
     ),
-    Topic(
-        "40 random trajectories",
+    "40 random trajectories": hint(
         "take the last frame in sight from source + 1 to target, whatever the distances; a "
         "target at or before source is its own waypoint",
-        [random_case(_RNG) for _ in range(40)],
+        *(_random(_RNG) for _ in range(40)),
     ),
-]
+}
 MISTAKES = """
 it is in world coordinates; give it as seen from the start: to_local
     to_local(start, place) -> place
@@ -233,19 +264,18 @@ def _difference(got: Array | None, want: Array | None, *_: object) -> str:
     return farthest(got, want)
 
 
-def _labels_from_above(
-    walls: Array, start: Array, track: Array, want: object, got: object
-) -> NDArray[np.uint8]:
-    """Wall, trajectory, start and both labels, in the frame of the start."""
+def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """Wall, trajectory, start and both labels, from above."""
+    arguments = start, track, *_ = TOPICS["round a corner"][1][0]
     blocks = []
-    for name, label in (("expected", want), ("yours", got)):
-        block = np.full((300, 330, 3), 255, np.uint8)
+    for name, function in (("expected", waypoint_label), ("yours", student)):
+        label, block = function(*arguments), np.full((300, 330, 3), 255, np.uint8)
 
-        def at(point: Array) -> tuple[int, int]:
+        def at(point: Sequence[float] | Array) -> tuple[int, int]:
             return round(60 + 100 * point[0]), round(270 - 100 * point[1])
 
-        for wall in walls:
-            cv2.line(block, at(wall[:2]), at(wall[2:]), colours.SOLID, 6, cv2.LINE_AA)
+        ends = at(_CORNER_WALL[:2]), at(_CORNER_WALL[2:])
+        cv2.line(block, *ends, colours.SOLID, 6, cv2.LINE_AA)
         for place in track[::2]:
             cv2.circle(block, at(place), 3, colours.PATH, -1, cv2.LINE_AA)
         cv2.circle(block, at(start), 8, colours.ROBOT, -1, cv2.LINE_AA)
@@ -260,19 +290,13 @@ def _labels_from_above(
     return np.concatenate(blocks, axis=1)
 
 
-def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    arguments = start, track, *_ = TOPICS[0].cases[0]
-    right, yours = waypoint_label(*arguments), student(*arguments)
-    return _labels_from_above(np.array([CORNER_WALL]), start, track, right, yours)
-
-
 check_waypoint_label = exercise(
     waypoint_label,
-    TOPICS,
+    topics(TOPICS),
     MISTAKES,
     module=__name__,
     about="Round a corner, past a post, out and back, targets ahead and behind, nothing in sight.",
-    example=(np.zeros(3), STRAIGHT, 0, 40, clear_sight(Raycaster([FAR_WALL]))),
+    example=(np.zeros(3), _STRAIGHT, 0, 40, clear_sight(Raycaster([_FAR_WALL]))),
     form=_form,
     same=_same,
     difference=_difference,

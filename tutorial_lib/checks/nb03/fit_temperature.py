@@ -1,12 +1,8 @@
 """The check of temperature scaling, in notebook 03."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.checks.nb03.reach_loss import reach_loss
 from tutorial_lib.geometry import Array
@@ -40,12 +36,7 @@ def _logits(
     return logits, probability if soft else (rng.random(count) < probability).astype(float)
 
 
-def _seldom() -> Case:
-    """Logits that mostly are below 0: without labels, the highest temperature is not the best."""
-    logits, labels = _logits(1.6, soft=True, seed=5)
-    return -logits, 1.0 - labels
-
-
+_OFTEN, _REACHED = _logits(1.6, soft=True, seed=5)
 _ALWAYS = np.tile([-0.4, 0.3, 0.5, -0.2, 0.1], 8)
 CASES = {
     "an overconfident network": _logits(2.0, blunders=0.12),
@@ -53,24 +44,22 @@ CASES = {
     "soft labels": _logits(1.8, soft=True),
     "a network that is hardly sure of anything": _logits(0.08, seed=3),
     "a network that is far too sure": _logits(14.0, seed=4),
-    "a few pairs of which a network is wrongly very sure": (
+    "a few pairs of which a network is wrongly very sure": case(
         np.concatenate([np.tile([1.0, -1.0], 100), np.full(40, 12.0)]),
         np.concatenate([np.tile([1.0, 0.0], 80), np.tile([0.0, 1.0], 20), np.arange(40) != 7]),
     ),
-    "a network that seldom predicts a success": _seldom(),
+    # Most logits are below 0: without labels, the highest temperature is not the best.
+    "a network that seldom predicts a success": (-_OFTEN, 1.0 - _REACHED),
     "few pairs": _logits(1.3, count=40, seed=8),
-    "labels of which some are soft": (
-        np.array([2.0, 1.0, -1.0, 3.0, -2.0, 2.0, 1.0]),
-        np.array([1.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.5]),
+    "labels of which some are soft": case(
+        np.array([2, 1, -1, 3, -2, 2, 1.0]), np.array([1, 0, 0, 1, 0, 0.5, 0.5])
     ),
     "a network that is hardly sure, whose best temperature is 0.065": _logits(0.065, soft=True),
-    "a network that is always right, so that the lowest temperature is best": (
-        _ALWAYS,
-        (_ALWAYS > 0).astype(float),
+    "a network that is always right, so that the lowest temperature is best": case(
+        _ALWAYS, (_ALWAYS > 0).astype(float)
     ),
-    "a network that is always wrong, so that the highest temperature is best": (
-        _ALWAYS,
-        (_ALWAYS < 0).astype(float),
+    "a network that is always wrong, so that the highest temperature is best": case(
+        _ALWAYS, (_ALWAYS < 0).astype(float)
     ),
 }
 MISTAKES = """
@@ -134,8 +123,7 @@ that is the index of the best temperature in a list; give the temperature itself
 that is the index of the best temperature in a list; give the temperature, not its place
     temperatures[losses.argmin()] -> losses.argmin()
     600 -> 1000
-that is the index of the best temperature in a list; give the temperature, a number from
-0.05 to 20
+that is the index of the best temperature in a list; give the temperature, a number from 0.05 to 20
     temperatures[losses.argmin()] -> losses.argmin()
     600 -> 100
 """
@@ -153,10 +141,6 @@ def _ece(z: Array, labels: Array) -> Array:
     order, gap = np.argsort(z[0]), sigmoid(z) - labels
     first = [part[0] for part in np.array_split(np.arange(len(order)), 10)]
     return np.abs(np.add.reduceat(gap[:, order], first, axis=1)).sum(axis=1)
-
-
-def _form(what: str, got: Any, *_: object) -> float:  # noqa: ANN401 - students' answers
-    return one_number(what, got, "the temperature T")
 
 
 def _same(got: float, want: float, *_: object) -> bool:
@@ -205,7 +189,7 @@ check_fit_temperature = exercise(
     example=_logits(2.5),
     calls=10,
     invoke=calling(_HINTS),
-    form=_form,
+    form=lambda what, got, *_: one_number(what, got, "the temperature T"),
     same=_same,
     difference=_apart,
     broken=_broken,

@@ -1,7 +1,5 @@
 """The check of mining hard pairs, in notebook 03."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.engine import Mask, WrongAnswer, check, parts
 from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.geometry import Array
@@ -18,23 +15,11 @@ from tutorial_lib.geometry import Array
 
 @dataclass(frozen=True)
 class Pool:
-    """P pairs, what would come of each, and how many are to be mined.
-
-    Attributes:
-        probability: (P,) predicted.
-        starts: (P,) the frame at which each begins.
-        occluded: (P,) far and occluded.
-        labels: (P,) 1, 0, or nan where nobody has rolled the pair out.
-        outcomes: (P,) what a rollout returns.
-        sure: probability above which a pair is mined.
-        most: hard negatives at most.
-        each: of them from one start at most.
-        share: of the weight that mined pairs have.
-    """
+    """P pairs, what a rollout returns of each, `outcomes`, and other arguments of `mine_pairs`."""
 
     probability: Array
     starts: NDArray[np.intp]
-    occluded: NDArray[np.bool_]
+    occluded: Mask
     labels: Array
     outcomes: Array
     sure: float = 0.5
@@ -43,7 +28,7 @@ class Pool:
     share: float = 0.3
 
     @property
-    def new(self) -> NDArray[np.bool_]:
+    def new(self) -> Mask:
         """(P,) not rolled out, and predicted with more than `sure`."""
         return np.isnan(self.labels) & (self.probability > self.sure)
 
@@ -87,7 +72,6 @@ class Rollouts:
     """Rolls pairs out for a student's function, and keeps which."""
 
     def __init__(self, what: str, pool: Pool) -> None:
-        """See `Pool`."""
         self.what, self.pool, self.made = what, pool, np.zeros(0, dtype=np.intp)
 
     def __call__(self, pairs: object) -> Array:
@@ -114,8 +98,8 @@ class Rollouts:
         elif pool.occluded[pair]:
             words = "is occluded: it is labelled 0 without a rollout, or left out"
         elif not pool.probability[pair] > pool.sure:
-            words = f"has RE {pool.probability[pair]:.4g}; only those above sure, {pool.sure}, are"
-            words = f"{words} rolled out"
+            words = f"has RE {pool.probability[pair]:.4g}; only those above sure, {pool.sure}, are "
+            words += "rolled out"
         elif pair in self.made:
             words = "is rolled out a second time"
         if words:
@@ -128,7 +112,7 @@ Pairs = NDArray[np.intp]
 def mine_pairs(
     probability: Array,
     starts: Pairs,
-    occluded: NDArray[np.bool_],
+    occluded: Mask,
     labels: Array,
     roll_out: Callable[[Pairs], Array],
     sure: float,
@@ -137,22 +121,9 @@ def mine_pairs(
     share: float,
     rng: np.random.Generator,
 ) -> tuple[Pairs, Array, Array]:
-    """A training set of the pairs whose labels are known, and of mined ones.
+    """Pairs (M,) whose labels are known, and mined ones, with labels and weights; see the exercise.
 
-    Args:
-        probability: (P,) predicted.
-        starts: (P,) the frame at which each begins.
-        occluded: (P,) far and occluded.
-        labels: (P,) 1, 0, or nan where nobody has rolled the pair out.
-        roll_out: labels (M,) of pairs (M,).
-        sure: probability above which a pair is mined.
-        most: hard negatives at most.
-        each: of them from one start at most.
-        share: of the weight that mined pairs have.
-        rng: draws the pairs that are rolled out.
-
-    Returns:
-        Pairs, labels and weights, (M,) each.
+    Pairs begin at frames `starts` (P,); of `most` hard negatives `each` may begin at one frame.
     """
     unknown = np.isnan(labels)
     easy, new = np.flatnonzero(~unknown), unknown & (probability > sure)
@@ -181,7 +152,6 @@ _HINTS: dict[type[Exception], str] = {
     TypeError: "pairs are whole numbers; roll_out wants an array of them",
     KeyError: "a start may come for the first time",
 }
-_EXAMPLE_POOL = POOLS["400 pairs"]
 
 
 def _arguments(pool: Pool, roll_out: Callable[[Pairs], Array], seed: int) -> tuple[Any, ...]:
@@ -190,20 +160,16 @@ def _arguments(pool: Pool, roll_out: Callable[[Pairs], Array], seed: int) -> tup
     return *masks, roll_out, *rules, np.random.default_rng(seed)
 
 
-@check(
-    mine_pairs,
-    _arguments(_EXAMPLE_POOL, lambda pairs: _EXAMPLE_POOL.outcomes[pairs], 0),
-    calls=10,
-)
+@check(mine_pairs, _arguments(_USUAL, lambda pairs: _USUAL.outcomes[pairs], 0), calls=10)
 def check_mine_pairs(student: Callable[..., Any]) -> None:
     """Eleven pools: which pairs are kept, rolled out and drawn, with which labels and weights."""
     for name, pool in POOLS.items():
         what = f"mine_pairs, {name}"
-        rollouts, got = _answer(what, student, pool, 0)
-        _demand_pairs(what, pool, rollouts, *got)
-        _demand_labels(what, pool, *got[:2])
-        _demand_weights(what, pool, got[0], got[2])
-    _demand_chance(student, _EXAMPLE_POOL)
+        rollouts, (pairs, labels, weights) = _answer(what, student, pool, 0)
+        _demand_pairs(what, pool, rollouts, pairs)
+        _demand_labels(what, pool, pairs, labels)
+        _demand_weights(what, pool, pairs, weights)
+    _demand_chance(student, _USUAL)
 
 
 def _answer(
@@ -211,8 +177,8 @@ def _answer(
 ) -> tuple[Rollouts, tuple[Pairs, Array, Array]]:
     """A student's pairs, labels and weights, of the right form."""
     rollouts = Rollouts(what, pool)
-    before = [array.copy() for array in (pool.probability, pool.starts, pool.occluded, pool.labels)]
     arguments = _arguments(pool, rollouts, seed)
+    before = [array.copy() for array in arguments[:4]]
     got = calling(_HINTS)(what, lambda: student(*arguments))
     names = ("probability", "starts", "occluded", "labels")
     for name, old, new in zip(names, before, arguments, strict=False):
@@ -233,56 +199,45 @@ def _answer(
     return rollouts, (pairs.astype(np.intp), second, third)
 
 
-def _demand_pairs(
-    what: str, pool: Pool, rollouts: Rollouts, pairs: Pairs, labels: Array, weights: Array
-) -> None:
+def _demand_pairs(what: str, pool: Pool, rollouts: Rollouts, pairs: Pairs) -> None:
     """Demand the right pairs, each once."""
     values, counts = np.unique(pairs, return_counts=True)
-    known, hard = ~np.isnan(pool.labels), _negatives(pool)
-    candidates = np.flatnonzero(pool.new & ~pool.occluded)
-    drawn = np.array([p for p in values if not known[p] and not pool.occluded[p]], dtype=int)
+    known, hidden = ~np.isnan(pool.labels), pool.occluded
+    right = mine_pairs(*_arguments(pool, lambda rows: pool.outcomes[rows], 0))[0]
+    hard = right[~known[right] & hidden[right]]
+    candidates = np.flatnonzero(pool.new & ~hidden)
+    drawn = values[~known[values] & ~hidden[values]]
     missing = np.setdiff1d(np.flatnonzero(known), values)
-    told = f"RE {{:.4g}}, and sure is {pool.sure}"
-    words = ""
+    low = values[~known[values] & ~pool.new[values]]
+    unused, made = np.setdiff1d(rollouts.made, drawn), np.setdiff1d(drawn, rollouts.made)
     if (counts > 1).any():
         words = f"pair {values[counts > 1][0]} comes {times(counts.max())}; each comes once"
     elif missing.size:
         words = f"pair {missing[0]} has a label, {pool.labels[missing[0]]:.0f}, and is missing; "
         words += "all pairs whose label is known belong to the training set"
-    elif (low := [p for p in values if not known[p] and not pool.new[p]]) != []:
-        words = f"pair {low[0]} has {told.format(pool.probability[low[0]])}; only pairs above it"
-        words += " are mined"
-    else:
-        words = _wrong_negatives(pool, values[~known[values] & pool.occluded[values]], hard)
-    if not words and len(drawn) != min(len(hard), len(candidates)):
+    elif low.size:
+        words = f"pair {low[0]} has RE {pool.probability[low[0]]:.4g}, and sure is {pool.sure}; "
+        words += "only pairs above it are mined"
+    elif wrong := _wrong_negatives(pool, values[~known[values] & hidden[values]], hard):
+        words = wrong
+    elif len(drawn) != min(len(hard), len(candidates)):
         words = f"{len(drawn)} pairs that are not occluded, but there are {len(hard)} hard"
         words += f" negatives and {len(candidates)} candidates; draw as many as hard negatives"
         words += ", or all candidates if there are fewer"
-    unused = np.setdiff1d(rollouts.made, drawn)
-    if not words and unused.size:
+    elif unused.size:
         words = f"pair {unused[0]} was rolled out, and its outcome is not used; draw first"
-    if not words and (made := np.setdiff1d(drawn, rollouts.made)).size:
+    elif made.size:
         words = f"pair {made[0]} is not occluded and was not rolled out; its label is unknown"
+    else:
+        words = ""
     if words:
         raise WrongAnswer(f"{what}: {words}")
 
 
-def _negatives(pool: Pool) -> list[int]:
-    """The hard negatives."""
-    chosen, counts = [], {}
-    for pair in np.argsort(-pool.probability):
-        start = int(pool.starts[pair])
-        fits = pool.new[pair] and pool.occluded[pair] and counts.get(start, 0) < pool.each
-        if fits and len(chosen) < pool.most:
-            chosen.append(int(pair))
-            counts[start] = counts.get(start, 0) + 1
-    return chosen
-
-
-def _wrong_negatives(pool: Pool, got: Pairs, want: list[int]) -> str:
+def _wrong_negatives(pool: Pool, got: Pairs, want: Pairs) -> str:
     """What is wrong with the hard negatives; empty if nothing is."""
     number, counts = len(got), np.bincount(pool.starts[got], minlength=1)
-    if not number and want:
+    if not number and len(want):
         return f"no hard negative among yours, but {len(want)} occluded pairs are above sure"
     if counts.max() > pool.each:
         words = f"{counts.max()} hard negatives begin at frame {counts.argmax()}"
@@ -321,17 +276,16 @@ def _demand_labels(what: str, pool: Pool, pairs: Pairs, labels: Array) -> None:
 def _demand_weights(what: str, pool: Pool, pairs: Pairs, weights: Array) -> None:
     """Demand weights of 1, and the share of the mined pairs."""
     mined = np.isnan(pool.labels[pairs])
+    own = weights[mined]
     if not np.allclose(weights[~mined], 1.0):
         raise WrongAnswer(f"{what}: a pair whose label was known before has the weight 1")
-    if not mined.any():
-        return
-    if not np.allclose(weights[mined], weights[mined][0]):
+    if not np.allclose(own, own[:1]):
         raise WrongAnswer(f"{what}: all mined pairs have the same weight")
-    found = weights[mined].sum() / weights.sum()
-    if not np.isclose(found, pool.share, atol=1e-6):
+    found = own.sum() / weights.sum()
+    if len(own) and not np.isclose(found, pool.share, atol=1e-6):
         words = f"mined pairs together have {found:.1%} of the weight of all"
         right = pool.share / (1 - pool.share) * (~mined).sum() / mined.sum()
-        each = f"so each weighs {right:.4g}, not {weights[mined][0]:.4g}"
+        each = f"so each weighs {right:.4g}, not {own[0]:.4g}"
         raise WrongAnswer(f"{what}: {words}; share is {pool.share:.0%}, {each}")
 
 
@@ -341,14 +295,14 @@ def _demand_chance(student: Callable[..., Any], pool: Pool) -> None:
     for seed in (0, *range(40)):
         pairs = _answer(what, student, pool, seed)[1][0]
         draws.append(set(pairs[np.isnan(pool.labels[pairs]) & ~pool.occluded[pairs]].tolist()))
+    never = set(np.flatnonzero(pool.new & ~pool.occluded).tolist()) - set().union(*draws)
     if draws[0] != draws[1]:
         words = "the same seed draws other pairs; draw by rng, not by np.random"
-        raise WrongAnswer(f"{what}: {words}")
-    if all(draw == draws[0] for draw in draws):
+    elif all(draw == draws[0] for draw in draws):
         words = "every seed gives the same pairs to roll out; draw them at random, by rng"
-        raise WrongAnswer(f"{what}: {words}")
-    never = set(np.flatnonzero(pool.new & ~pool.occluded).tolist()) - set().union(*draws)
-    if never:
-        pair = min(never)
-        words = f"pair {pair}, RE {pool.probability[pair]:.4g}, is never drawn in 40 attempts"
-        raise WrongAnswer(f"{what}: {words}; draw among all candidates alike")
+    elif never:
+        words = f"pair {min(never)}, RE {pool.probability[min(never)]:.4g}, is never drawn in 40 "
+        words += "attempts; draw among all candidates alike"
+    else:
+        return
+    raise WrongAnswer(f"{what}: {words}")

@@ -1,13 +1,10 @@
 """The check of the loss of RE, in notebook 03."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise
 from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.geometry import Array
 
@@ -21,8 +18,9 @@ def reach_loss(logits: Array, labels: Array, weights: Array) -> float:
     return float((weights * each).sum() / weights.sum())
 
 
-def _arrays(logits: list[float], labels: list[float], weights: list[float]) -> Case:
-    return np.array(logits), np.array(labels), np.array(weights)
+def _arrays(*rows: list[float]) -> Case:
+    logits, labels, weights = (np.array(row, dtype=float) for row in rows)
+    return logits, labels, weights
 
 
 def _random(count: int, seed: int) -> Case:
@@ -36,9 +34,7 @@ def _random(count: int, seed: int) -> Case:
 CASES = {
     "hard labels": _arrays([0.3, -1.2, 2.0, -0.5], [1.0, 0.0, 0.0, 1.0], [1.0] * 4),
     "soft labels": _arrays([0.3, -1.2, 2.0, -0.5], [0.7, 0.04, 0.55, 0.2], [1.0] * 4),
-    "weights": _arrays(
-        [0.3, -1.2, 2.0, -0.5, 1.0], [1.0, 0.0, 0.0, 1.0, 0.3], [1.0, 0.5, 2.0, 0.0, 3.0]
-    ),
+    "weights": _arrays([0.3, -1.2, 2.0, -0.5, 1], [1, 0, 0, 1, 0.3], [1, 0.5, 2, 0, 3]),
     "equal weights of 2": _arrays([0.3, -1.2, 2.0], [1.0, 0.0, 0.0], [2.0] * 3),
     "small weights": _arrays([0.3, -4.0, 2.0], [1.0, 1.0, 0.0], [1.0, 0.04, 0.001]),
     "one pair": _arrays([-0.7], [1.0], [0.25]),
@@ -116,10 +112,6 @@ def _form(what: str, got: Any, logits: Array, *_: object) -> float:  # noqa: ANN
     return one_number(what, got, "the weighted mean of the losses")
 
 
-def _same(got: float, want: float, *_: object) -> bool:
-    return bool(np.isclose(got, want, rtol=1e-6, atol=1e-7))
-
-
 def _broken(got: float, want: float, logits: Array, labels: Array, weights: Array) -> str:
     """Which part of the rule a wrong loss breaks."""
     if abs(got - want) < 1e-3 * abs(want):
@@ -162,7 +154,7 @@ check_reach_loss = exercise(
     later={"cases": SURE, "difference": _limited, "broken": lambda *_: ""},
     invoke=calling(_HINTS),
     form=_form,
-    same=_same,
+    same=lambda got, want, *_: bool(np.isclose(got, want, rtol=1e-6, atol=1e-7)),
     difference=_apart,
     broken=_broken,
 )

@@ -1,17 +1,13 @@
 """The check of the reliability diagram, in notebook 03."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from itertools import accumulate
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, expect
+from tutorial_lib.checks.engine import check, close, expect, parts
 from tutorial_lib.checks.nb03.forms import calling, one_number, vector
 from tutorial_lib.geometry import Array
 
@@ -26,10 +22,13 @@ def reliability_diagram(predicted: Array, came_true: Array, bins: int) -> Diagra
 
 
 def _diagram(predicted: Array, came_true: Array, groups: Bins) -> Diagram:
-    means = np.array([predicted[group].mean() for group in groups])
-    shares = np.array([came_true[group].mean() for group in groups])
+    means, shares = _means(predicted, groups), _means(came_true, groups)
     count = np.array([len(group) for group in groups])
     return means, shares, float((count * np.abs(means - shares)).sum() / count.sum())
+
+
+def _means(values: Array, groups: Bins) -> Array:
+    return np.array([values[group].mean() if len(group) else np.nan for group in groups])
 
 
 def _random(count: int, seed: int) -> tuple[Array, Array]:
@@ -38,27 +37,21 @@ def _random(count: int, seed: int) -> tuple[Array, Array]:
     return predicted, (rng.random(count) < predicted**1.7).astype(float)
 
 
-_CASES: dict[str, tuple[Array, Array, int]] = {
+def _few(predicted: list[float], came_true: list[int], bins: int) -> tuple[Array, Array, int]:
+    return np.array(predicted), np.array(came_true, dtype=float), bins
+
+
+_CASES = {
     "200 predictions in ten bins": (*_random(200, 3), 10),
     "203 predictions in ten bins": (*_random(203, 4), 10),
     "38 predictions in five bins": (*_random(38, 5), 5),
     "17 predictions in one bin": (*_random(17, 6), 1),
     "9 predictions in nine bins": (*_random(9, 7), 9),
     "29 predictions in twenty bins": (*_random(29, 9), 20),
-    "four predictions in two bins": (
-        np.array([0.9, 0.1, 0.6, 0.2]),
-        np.array([1.0, 0.0, 0.0, 0.0]),
-        2,
-    ),
-    "equal predictions": (
-        np.array([0.7, 0.2, 0.2, 0.7, 0.2, 0.9]),
-        np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
-        3,
-    ),
-    "equal predictions of which some come true": (
-        np.array([0.5, 0.5, 0.9, 0.5, 0.9, 0.5, 0.9, 0.9]),
-        np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0]),
-        2,
+    "four predictions in two bins": _few([0.9, 0.1, 0.6, 0.2], [1, 0, 0, 0], 2),
+    "equal predictions": _few([0.7, 0.2, 0.2, 0.7, 0.2, 0.9], [1, 0, 0, 1, 0, 1], 3),
+    "equal predictions of which some come true": _few(
+        [0.5, 0.5, 0.9, 0.5, 0.9, 0.5, 0.9, 0.9], [1, 0, 1, 0, 1, 0, 0, 1], 2
     ),
 }
 _HINTS: dict[type[Exception], str] = {
@@ -87,11 +80,8 @@ def check_reliability_diagram(student: Callable[..., Any]) -> None:
         first, second, third = _mistakes(predicted, came_true, usual, groups)
         expect(f"{what}, first", means, want[0], first.items(), close, _means_apart)
         expect(f"{what}, second", shares, want[1], second.items(), close, _shares_apart)
-        expect(f"{what}, third", ece, want[2], third.items(), _near, _ece_apart)
-
-
-def _near(got: float, want: float) -> bool:
-    return bool(np.isclose(got, want, atol=_NEAR, rtol=0, equal_nan=True))
+        near = partial(close, tolerance=_NEAR)
+        expect(f"{what}, third", ece, want[2], third.items(), near, _ece_apart)
 
 
 def _even_groups(predicted: Array, means: Array, bins: int) -> Bins | None:
@@ -134,88 +124,70 @@ def _ece_apart(got: float, want: float) -> str:
     return f"the ECE is {got:.4g}, but {want:.4g} {words}"
 
 
-def _runs(order: NDArray[np.intp], sizes: list[int]) -> Bins:
-    """Bins of these sizes, in order."""
-    return np.split(order, list(accumulate(sizes))[:-1])
-
-
 def _mistakes(
     predicted: Array, came_true: Array, usual: Bins, groups: Bins | None
 ) -> tuple[dict[str, Array], dict[str, Array], dict[str, float]]:
     """Known mistakes of the three answers, and what they give."""
     bins, order = len(usual), np.argsort(predicted, kind="stable")
     chosen = usual if groups is None else groups
-    plain = _runs(np.arange(len(order)), [len(group) for group in chosen])
-    number = np.clip((predicted * bins).astype(int), 0, bins - 1)
-    wide = [np.flatnonzero(number == b) for b in range(bins)]
-    spans = np.clip(
-        ((predicted - predicted.min()) / max(np.ptp(predicted), 1e-12) * bins).astype(int),
-        0,
-        bins - 1,
-    )
-    spread = [np.flatnonzero(spans == b) for b in range(bins)]
-    size, rest = divmod(len(order), bins)
-    heavy = _runs(order, [size] * (bins - 1) + [size + rest])
-    short = [order[b * size : (b + 1) * size] for b in range(bins)]
+    count = np.array([len(group) for group in chosen])
+    plain = np.split(np.arange(len(order)), np.cumsum(count)[:-1])
+    size = len(order) // bins
+    heavy = np.split(order, size * np.arange(1, bins))
+    short = [group[:size] for group in heavy]
+    from_lowest = (predicted - predicted.min()) / max(np.ptp(predicted), 1e-12)
 
-    def means(values: Array, parts: Bins) -> Array:
-        return np.array([values[group].mean() if len(group) else np.nan for group in parts])
+    def equally_wide(x: Array) -> Array:
+        number = np.clip((x * bins).astype(int), 0, bins - 1)
+        return _means(predicted, [np.flatnonzero(number == b) for b in range(bins)])
 
-    means_of, shares = means(predicted, chosen), means(came_true, chosen)
-    gap, count = np.abs(means_of - shares), np.array([len(part) for part in chosen])
+    wide, spread = equally_wide(predicted), equally_wide(from_lowest)
+    means, shares = _means(predicted, chosen), _means(came_true, chosen)
+    middle = np.array([(predicted[group].min() + predicted[group].max()) / 2 for group in chosen])
+    medians = np.array([np.median(predicted[group]) for group in chosen])
     sizes = "these bins are equally wide; each is to have as many predictions as the next"
+    left = "the last bin has all that is left over; the sizes of bins differ by one at most"
+    lost = "the predictions that are left over are missing; each belongs to a bin"
     rising = "the bins rise: the lowest predictions come first"
-    middle = np.array([(predicted[part].min() + predicted[part].max()) / 2 for part in chosen])
     first = {
-        "the last bin has all that is left over; the sizes of bins differ by one at most": means(
-            predicted, heavy
-        ),
-        "the predictions that are left over are missing; each belongs to a bin": means(
-            predicted, short
-        ),
-        sizes: means(predicted, wide),
-        f"from the lowest to the highest prediction {sizes}": means(predicted, spread),
-        f"{sizes}, and none is empty": np.nan_to_num(means(predicted, wide)),
-        "sort the predictions before you cut them into bins": means(predicted, plain),
+        left: _means(predicted, heavy),
+        lost: _means(predicted, short),
+        sizes: wide,
+        f"from the lowest to the highest prediction {sizes}": spread,
+        f"{sizes}, and none is empty": np.nan_to_num(wide),
+        "sort the predictions before you cut them into bins": _means(predicted, plain),
         "give the mean of a bin's predictions, not the middle between its ends": middle,
         "that is the middle of equally wide bins; give the mean prediction": (
             (np.arange(bins) + 0.5) / bins
         ),
-        "give the mean of a bin's predictions, not the median": np.array(
-            [np.median(predicted[part]) for part in chosen]
-        ),
-        "give the mean of a bin's predictions, not their sum": means_of * count,
+        "give the mean of a bin's predictions, not the median": medians,
+        "give the mean of a bin's predictions, not their sum": means * count,
         "predictions come first, what came true second": shares,
-        rising: means_of[::-1],
+        rising: means[::-1],
     }
+    its = "what came true belongs to its prediction"
     second = {
-        "what came true belongs to its prediction: put both in the same order": means(
-            came_true, plain
-        ),
-        "what came true belongs to its prediction: do not sort it by itself": means(
-            np.sort(came_true), plain
-        ),
+        f"{its}: put both in the same order": _means(came_true, plain),
+        f"{its}: do not sort it by itself": _means(np.sort(came_true), plain),
         "give the share that came true, not how many": shares * count,
-        "that is the mean prediction again; give the share that came true": means_of,
+        "that is the mean prediction again; give the share that came true": means,
         "give the share that came true, not the share that did not": 1 - shares,
         "the share is of the predictions of this bin, not of all N": shares * count / len(order),
         rising: shares[::-1],
     }
-    signed = float(((means_of - shares) * count).sum() / count.sum())
+    gap, weight = np.abs(means - shares), count / len(order)
+    signed, squared = ((means - shares) * weight).sum(), (gap**2 * weight).sum()
+    single = np.abs(predicted - came_true).mean()
     third = {
         "too high and too low must not cancel: take absolute gaps": signed,
         "too high and too low must not cancel, so take absolute gaps": -signed,
         "the gap of each bin counts; absolute values come before the sum": abs(signed),
-        "that is the largest gap; take the mean": float(gap.max()),
-        "take the gaps, not their squares": float((gap**2 * count).sum() / count.sum()),
-        "take the gaps, not the root of their mean square": float(
-            np.sqrt((gap**2 * count).sum() / count.sum())
-        ),
-        "that is how far single predictions are off; compare the means of bins": float(
-            np.abs(predicted - came_true).mean()
-        ),
-        "that is the sum over all bins; take the mean": float(gap.sum()),
-        "that is not divided by N yet": float((gap * count).sum()),
-        "a bin counts as often as it has predictions: weigh the gaps by n_b / N": float(gap.mean()),
+        "that is the largest gap; take the mean": gap.max(),
+        "take the gaps, not their squares": squared,
+        "take the gaps, not the root of their mean square": np.sqrt(squared),
+        "that is how far single predictions are off; compare the means of bins": single,
+        "that is the sum over all bins; take the mean": gap.sum(),
+        "that is not divided by N yet": (gap * count).sum(),
+        "a bin counts as often as it has predictions: weigh the gaps by n_b / N": gap.mean(),
     }
     return first, second, third

@@ -1,7 +1,5 @@
 """The check of the labels of rollouts, in notebook 03."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -10,15 +8,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import Mask, WrongAnswer, case, exercise
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 
-Case = tuple[Array, Array, NDArray[np.bool_], Array]
+Case = tuple[Array, Array, Mask, Array]
 """times (T,), gaps (T, N), touched (T, N), geodesic (N,)."""
 Story = tuple[str, list[float], list[float | tuple[float, float]], float]
 """What it is like, metres to the target every 5 s, when something is touched (single moments or
@@ -58,21 +55,14 @@ def rollouts_of(stories: Sequence[Story] = STORIES) -> Case:
     return times, gaps, touched, np.array([story[3] for story in stories])
 
 
-def at_limits() -> Case:
-    """Two cars at exactly 0.30 m and at exactly t_max, and one that touches in that moment."""
-    times = np.array([0.0, 5.0, 15.0, 20.0])
-    gaps = np.array([[3.0, 3.0, 3.0], [0.3, 2.0, 0.2], [0.9, 0.1, 0.0], [0.9, 2.0, 0.0]])
-    touched = np.zeros(gaps.shape, dtype=bool)
-    touched[1, 2] = touched[3, 1] = True
-    return times, gaps, touched, np.full(3, 3.0)
-
-
-def last_moment() -> Case:
-    """Two cars that are near in the last of three moments alone; one touches something then."""
-    gaps = np.array([[2.0, 2.0, 0.1], [1.0, 1.0, 2.0], [0.2, 0.2, 3.0]])
-    touched = np.zeros(gaps.shape, dtype=bool)
-    touched[2, 1] = True
-    return np.array([0.0, 4.0, 8.0]), gaps, touched, np.full(3, 2.0)
+def few_moments(
+    times: list[float], gaps: list[list[float]], geodesic: float, *touches: tuple[int, int]
+) -> Case:
+    """Rollouts of a few moments; `touches` are the moments and the cars that touch something."""
+    touched = np.zeros(np.shape(gaps), dtype=bool)
+    for touch in touches:
+        touched[touch] = True
+    return np.array(times), np.array(gaps), touched, np.full(len(gaps[0]), geodesic)
 
 
 def random_rollouts(moments: int, cars: int, seed: int) -> Case:
@@ -88,15 +78,8 @@ def random_rollouts(moments: int, cars: int, seed: int) -> Case:
     return times, gaps, touched, np.where(near, geodesic + 0.01, geodesic)
 
 
-def rollout_labels(times: Array, gaps: Array, touched: NDArray[np.bool_], geodesic: Array) -> Array:
-    """1 for each rollout (N,) within 0.30 m of its target in time, with nothing touched before.
-
-    Args:
-        times: (T,) seconds since the start, rising.
-        gaps: (T, N) metres to the target.
-        touched: (T, N) whether something is touched at that moment.
-        geodesic: (N,) metres from start to target along the shortest path.
-    """
+def rollout_labels(times: Array, gaps: Array, touched: Mask, geodesic: Array) -> Array:
+    """1 for each rollout (N,) within 0.30 m of its target in time, with nothing touched before."""
     near, limit = gaps <= REACHED, geodesic / SLOWEST + GRACE
     in_time = times[:, None] <= limit
     clean = ~np.logical_or.accumulate(touched, axis=0)
@@ -106,25 +89,27 @@ def rollout_labels(times: Array, gaps: Array, touched: NDArray[np.bool_], geodes
 
 CASES = {
     "single stories": rollouts_of(),
-    "exactly at the limits": at_limits(),
-    "near in the last moment alone": last_moment(),
+    # Two cars at exactly 0.30 m and at exactly t_max, and one that touches in that moment.
+    "exactly at the limits": few_moments(
+        [0.0, 5.0, 15.0, 20.0],
+        [[3.0, 3.0, 3.0], [0.3, 2.0, 0.2], [0.9, 0.1, 0.0], [0.9, 2.0, 0.0]],
+        3.0,
+        (1, 2),
+        (3, 1),
+    ),
+    # Two cars, of which one touches something then.
+    "near in the last moment alone": few_moments(
+        [0.0, 4.0, 8.0], [[2.0, 2.0, 0.1], [1.0, 1.0, 2.0], [0.2, 0.2, 3.0]], 2.0, (2, 1)
+    ),
     "uneven times": random_rollouts(9, 40, 1),
     "as many moments as cars": random_rollouts(12, 12, 2),
     "one car": random_rollouts(30, 1, 11),
     "one moment": random_rollouts(1, 20, 4),
     "300 cars": random_rollouts(150, 300, 5),
-    "a first moment 6 s after the start": (
-        np.array([6.0, 10.0, 20.0]),
-        np.array([[1.0, 1.0], [1.0, 0.2], [0.1, 0.1]]),
-        np.zeros((3, 2), bool),
-        np.full(2, 3.0),
+    "a first moment 6 s after the start": few_moments(
+        [6.0, 10.0, 20.0], [[1.0, 1.0], [1.0, 0.2], [0.1, 0.1]], 3.0
     ),
-    "two cars that stay at their targets": (
-        np.arange(3.0),
-        np.full((3, 2), 0.1),
-        np.zeros((3, 2), bool),
-        np.ones(2),
-    ),
+    "two cars that stay at their targets": few_moments([0.0, 1.0, 2.0], [[0.1, 0.1]] * 3, 1.0),
 }
 MISTAKES = """
 every rollout counts as reached; three things must hold
@@ -133,8 +118,7 @@ no rollout counts as reached; look at each moment
     near & in_time & clean -> near & False
 a rollout that touched something has failed, even if it arrives
     near & in_time & clean -> near & in_time
-what a car touches after it has arrived does not count: look at what was touched up to each
-moment
+what a car touches after it has arrived does not count: look at what was touched up to each moment
     np.logical_or.accumulate(touched, axis=0) -> touched.any(axis=0)
 a rollout that touched something has failed, even if the car is free again when it arrives;
 see np.logical_or.accumulate
@@ -169,8 +153,7 @@ the moments lie unevenly: compare times with t_max, not 0.1 s times the number o
 accumulate over the moments, axis=0, and not over the cars
     accumulate(touched, axis=0) -> accumulate(touched, axis=1)
 argmax of a column without any True is 0: a car that is never near has no first moment
-    near & in_time & clean
-        -> np.take_along_axis(in_time & clean, near.argmax(axis=0)[None], axis=0)
+    near & in_time & clean -> np.take_along_axis(in_time & clean, near.argmax(axis=0)[None], axis=0)
 a touch in the very first moment counts, too
     accumulate(touched, -> accumulate(np.vstack([np.zeros_like(touched[:1]), touched[1:]]),
 near means within 0.30 m, not 0.5 m
@@ -228,14 +211,14 @@ def _form(what: str, got: Any, *case: Any) -> Array:  # noqa: ANN401 - students'
     return vector(what, got, count, "a label for each car")
 
 
-def _same(got: Array, want: Array, *_: object) -> bool:
-    return np.allclose(got, want, atol=1e-6, equal_nan=True)
+def _first_wrong(got: Array, want: Array) -> int:
+    return int(np.flatnonzero(~np.isclose(got, want, atol=1e-6))[0])
 
 
 def _broken(got: Array, want: Array, *case: Array) -> str:
     """Which of the three conditions decides the first label that is wrong."""
     times, gaps, _, geodesic = case
-    number = int(np.flatnonzero(~np.isclose(got, want, atol=1e-6))[0])
+    number = _first_wrong(got, want)
     near = gaps[:, number] <= REACHED
     if want[number]:
         return (
@@ -250,13 +233,13 @@ def _broken(got: Array, want: Array, *case: Array) -> str:
 
 
 def _worst(
-    got: Array, want: Array, times: Array, gaps: Array, touched: NDArray[np.bool_], geodesic: Array
+    got: Array, want: Array, times: Array, gaps: Array, touched: Mask, geodesic: Array
 ) -> str:
     """What happens in the first rollout whose label is wrong."""
-    number = int(np.flatnonzero(~np.isclose(got, want, atol=1e-6))[0])
+    number = _first_wrong(got, want)
     story = f'the rollout that "{STORIES[number][0]}"' if len(gaps) == 301 else f"car {number}"
 
-    def first(moments: NDArray[np.bool_]) -> str:
+    def first(moments: Mask) -> str:
         return f"first at {times[moments.argmax()]:.4g} s" if moments.any() else "never"
 
     near, touches = first(gaps[:, number] <= REACHED), first(touched[:, number])
@@ -269,7 +252,6 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
     """A line for each story: when it is near, when it touches, its time limit, both labels."""
     times, gaps, touched, geodesic = rollouts_of()
     picture = np.full((40 + 28 * len(STORIES), 770, 3), 255, np.uint8)
-
     write = partial(label, picture, size=0.65)
 
     def across(time: float) -> int:
@@ -303,7 +285,7 @@ check_rollout_labels = exercise(
     example=case(np.arange(300.0), np.ones((300, 400)), np.zeros((300, 400), bool), np.ones(400)),
     invoke=calling(_HINTS),
     form=_form,
-    same=_same,
+    same=lambda got, want, *_: np.allclose(got, want, atol=1e-6, equal_nan=True),
     difference=_worst,
     broken=_broken,
     draw=_timelines,

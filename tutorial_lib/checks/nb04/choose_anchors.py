@@ -1,13 +1,12 @@
 """The check of sparsification, in notebook 04."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.follower_states import reach_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
@@ -26,7 +25,7 @@ BY_HAND = np.array(
 """A small trajectory of eight frames: RE from each (row) to each (column)."""
 
 
-def choose_anchors(reach: Array, threshold: float) -> NDArray[np.intp]:
+def choose_anchors(reach: Array, threshold: float) -> Indices:
     """The anchors (A,) that `sparsify` finds, from a table of RE (T, T); see the exercise."""
     anchors, last = [0], len(reach) - 1
     while anchors[-1] < last:
@@ -120,34 +119,30 @@ each RE is compared for itself; do not average them
 """
 
 
-def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
+def _agreeing(got: Indices, want: Indices) -> int:
+    """How many anchors agree before the first that differs."""
+    shorter = min(len(got), len(want))
+    return int(np.append(got[:shorter] != want[:shorter], True).argmax())
+
+
+def _broken(got: Indices, want: Indices, reach: Array, threshold: float) -> str:
     """Which part of the rule the first wrong anchor breaks."""
-    i, mine, right = next(
-        (
-            (int(want[k - 1]) if k else -1, mine, right)
-            for k, (mine, right) in enumerate(zip(got, want, strict=False))
-            if mine != right
-        ),
-        (-1, -1, -1),
-    )
-    if len(got) < len(want) and mine == right:
+    same = _agreeing(got, want)
+    if same == len(got) < len(want):
         return "the last frame is always an anchor, however it is reached"
-    if not 0 <= i < mine:
+    if same in (0, len(want)) or got[same] <= want[same - 1]:
         return "the anchors rise from 0 to T - 1, each once"
-    if mine < right:
+    if got[same] < want[same]:
         return "go on as long as the next frame is above the threshold, however many those are"
+    i, words = want[same - 1], "frame i + 1 is above the threshold, it is the next anchor"
     if reach[i, i + 1] <= threshold:
-        return (
-            "where not even frame i + 1 is above the threshold, it is the next anchor all the same"
-        )
+        return f"where not even {words} all the same"
     return "stop before the first frame whose RE from i, as it is, is not above the threshold"
 
 
-def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
+def _apart(got: Indices, want: Indices, reach: Array, threshold: float) -> str:
     """Where an answer first differs."""
-    same = 0
-    while same < min(len(got), len(want)) and got[same] == want[same]:
-        same += 1
+    same = _agreeing(got, want)
     if not len(got):
         return "no anchors; the first and the last frame always are"
     if same == 0:
@@ -169,7 +164,7 @@ def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshol
     return f"{after} comes {j}, not {mine}: {fails}"
 
 
-def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
+def _tables(want: Indices, got: Indices) -> NDArray[np.uint8]:
     tables = [reach_table(BY_HAND, 0.9, chosen.tolist()) for chosen in (want, got)]
     return side_by_side(tables, ["expected", "yours"], gap=30)
 
@@ -180,8 +175,6 @@ _HINTS: dict[type[Exception], str] = {
     TypeError: "anchors are whole numbers, indices of frames",
     NameError: "is it spelt right?",
 }
-
-
 check_choose_anchors = exercise(
     choose_anchors,
     CASES,

@@ -1,7 +1,5 @@
 """The check of the follower's loop, in notebook 04."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -10,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
+from tutorial_lib.checks.engine import WrongAnswer, exercise, kind
 from tutorial_lib.checks.framework.answers import as_floats, parts
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb04.forms import calling, whole
 from tutorial_lib.checks.nb04.observations import RULES
 from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory, Story
@@ -56,27 +52,27 @@ def follow_step(
 
 
 def _exact(
-    memory: Memory, ahead: float, reach: float, rules: FollowerSettings = RULES
+    ahead: float,
+    reach: float = 0.97,
+    waited: float = 1.0,
+    nearest: float = 1.05,
+    **rules: Any,  # noqa: ANN401
 ) -> tuple[Any, ...]:
     """A step in which the only anchor of a path lies straight ahead."""
+    memory = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), waited, nearest)
     seen = np.array([reach]), np.array([0.3]), np.array([[ahead, 0.0]]), np.zeros(3)
-    return memory, *seen, rules
+    return memory, *seen, replace(RULES, **rules)
 
 
-_ON_ITS_WAY = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), 1.0, 1.05)
 _EXACT = {
-    "exactly rules.at from the waypoint": _exact(_ON_ITS_WAY, 0.25, 0.97),
-    "at the waypoint, whose old place is far ahead": _exact(_ON_ITS_WAY, 0.1, 0.97),
-    "at the waypoint, RE of exactly rules.p_lose": _exact(_ON_ITS_WAY, 0.1, 0.4),
+    "exactly rules.at from the waypoint": _exact(0.25),
+    "at the waypoint, whose old place is far ahead": _exact(0.1),
+    "at the waypoint, RE of exactly rules.p_lose": _exact(0.1, reach=0.4),
     # Of these numbers every way to write the difference makes exactly 0.05.
-    "exactly 0.05 m nearer": _exact(
-        _ON_ITS_WAY._replace(nearest=0.1), 0.05, 0.97, replace(RULES, at=0.01)
-    ),
-    "0.03 m farther than the nearest": _exact(_ON_ITS_WAY._replace(nearest=1.47), 1.5, 0.97),
-    "without progress for exactly rules.effort": _exact(
-        _ON_ITS_WAY._replace(waited=0.0), 1.5, 0.97, replace(RULES, effort=0.1)
-    ),
-    "without progress for a minute": _exact(_ON_ITS_WAY._replace(waited=60.0), 1.5, 0.97),
+    "exactly 0.05 m nearer": _exact(0.05, nearest=0.1, at=0.01),
+    "0.03 m farther than the nearest": _exact(1.5, nearest=1.47),
+    "without progress for exactly rules.effort": _exact(1.5, waited=0.0, effort=0.1),
+    "without progress for a minute": _exact(1.5, waited=60.0),
 }
 
 
@@ -178,8 +174,7 @@ def _form(what: str, got: Any, *_: object) -> Answer:  # noqa: ANN401 - students
     for name in ("waited", "nearest"):
         value = getattr(memory, name)
         if not isinstance(value, int | float | np.number) or isinstance(value, bool):
-            words = f"memory.{name} is {kind(value)}; it is a number"
-            raise WrongAnswer(f"{what}: {words}")
+            raise WrongAnswer(f"{what}: memory.{name} is {kind(value)}; it is a number")
     if target is not None:
         target = _point(f"{what}: the point to drive to", target)
     return memory._replace(place=place, state=state), target
@@ -222,15 +217,13 @@ def _wrong_state(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Mem
     reach, waypoints, rules = seen[0], seen[2], seen[4]
     told = [f"{m.state.name}, active {m.active}, visited {m.visited}" for m in (mine, right)]
     words = f"{told[0]} came back, {told[1]} is right"
-    gave_up = right.state == State.LOST and memory.state == State.FOLLOW
-    if gave_up:
-        late = f"no nearer for more than rules.effort = {rules.effort:g} s, so it gives up"
-        kept = (
-            "a robot that gives up is LOST, and its active and its visited anchor stay as they are"
-        )
-        return f"{words}: {kept if mine.state == State.LOST else late}"
-    if mine.state == State.LOST and memory.state == State.FOLLOW and not gave_up:
-        effort = f"rules.effort = {rules.effort:g} s"
+    followed, effort = memory.state == State.FOLLOW, f"rules.effort = {rules.effort:g} s"
+    if followed and mine.state == right.state == State.LOST:
+        kept = "its active and its visited anchor stay as they are"
+        return f"{words}: a robot that gives up is LOST, and {kept}"
+    if followed and right.state == State.LOST:
+        return f"{words}: no nearer for more than {effort}, so it gives up"
+    if followed and mine.state == State.LOST:
         told = f"it came nearer, or changed its anchor, {right.waited:.1f} s ago; {effort}"
         return f"{words}: a robot in Follow gives up after more than rules.effort alone: {told}"
     if memory.state == State.SEARCH:
@@ -247,62 +240,57 @@ def _wrong_state(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Mem
 def _wrong_place(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Memory) -> str:
     """Why the place of the waypoint is another."""
     waypoints, odometry = seen[2], seen[3]
-    new = not np.allclose(right.place, memory.place, atol=1e-9)
     if np.isnan(mine.place).any():
         return "place is not a number: the waypoint of an anchor that was not queried"
-    if not new:
+    if np.allclose(right.place, memory.place, atol=1e-9):
         return (
             "place changes, but no new waypoint is taken in dead reckoning, where the active "
             "anchor is the same: the old one stays where it is in the odometer's frame"
         )
+    waypoint = waypoints[right.active]
+    mirrored = to_world(odometry * [1.0, 1.0, -1.0], waypoint)
+    degrees = to_world([*odometry[:2], np.deg2rad(odometry[2])], waypoint)
     candidates = {
         "place is the waypoint in the robot's frame; keep it in the odometer's, to_world(odometry, "
-        "...)": waypoints[right.active],
+        "...)": waypoint,
         "place is still that of the anchor that was active before, or the old one; a new waypoint "
         "is taken in Follow at every step, and whenever the active anchor has changed, that of the "
         "new one": to_world(odometry, waypoints[memory.active]),
         "a new waypoint is missing: in Follow at every step, and whenever the active anchor has "
         "changed": memory.place,
         "the odometer's pose turns the waypoint, it does not only shift it: to_world": (
-            odometry[:2] + waypoints[right.active]
+            odometry[:2] + waypoint
         ),
-        "the heading turns the waypoint the other way: look at the signs of the sine": to_world(
-            odometry * [1.0, 1.0, -1.0], waypoints[right.active]
-        ),
-        "the heading is in radians already": to_world(
-            [*odometry[:2], np.deg2rad(odometry[2])], waypoints[right.active]
-        ),
+        "the heading turns the waypoint the other way: look at the signs of the sine": mirrored,
+        "the heading is in radians already": degrees,
         "to_world, not to_local: the waypoint is in the robot's frame and goes to the odometer's": (
-            to_local(odometry, waypoints[right.active])
+            to_local(odometry, waypoint)
         ),
     }
-    for words, place in candidates.items():
-        if np.allclose(mine.place, place, atol=1e-6):
-            return words
-    return f"place is {_told(mine.place)}, {_told(right.place)} is right, in the odometer's frame"
+    told = f"place is {_told(mine.place)}, {_told(right.place)} is right, in the odometer's frame"
+    return _first_near(mine.place, candidates) or told
 
 
 def _wrong_target(seen: tuple[Any, ...], mine: Array, right: Memory) -> str:
     """Why the point to drive to is another."""
-    odometry = seen[3]
-    want = to_local(odometry, right.place)
+    odometry, place, waypoint = seen[3], right.place, seen[2][right.active]
+    want, shifted = to_local(odometry, place), place - odometry[:2]
     candidates = {
         "y is positive to the left, as everywhere": want * [1.0, -1.0],
-        "the point is in the odometer's frame; the robot needs it in its own: to_local": (
-            right.place
-        ),
-        "the point is shifted, but not turned into the robot's frame: to_local": (
-            right.place - odometry[:2]
-        ),
+        "the point is in the odometer's frame; the robot needs it in its own: to_local": place,
+        "the point is shifted, but not turned into the robot's frame: to_local": shifted,
         "the point is the waypoint as it is predicted now; in dead reckoning it is the old one": (
-            seen[2][right.active]
+            waypoint
         ),
     }
-    for words, point in candidates.items():
-        if np.allclose(mine, point, atol=1e-6):
-            return words
     words = f"the point to drive to is {_told(mine)}, {_told(want)} is right"
-    return f"{words}: place, in the robot's present frame"
+    return _first_near(mine, candidates) or f"{words}: place, in the robot's present frame"
+
+
+def _first_near(point: Array, candidates: dict[str, Array]) -> str | None:
+    """What to say of the first candidate that is this point."""
+    near = (words for words, other in candidates.items() if np.allclose(point, other, atol=1e-6))
+    return next(near, None)
 
 
 def _wrong_clock(memory: Memory, mine: Memory, right: Memory) -> str:

@@ -1,18 +1,15 @@
 """How answers to notebook 04 are called for, and what form they must have."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import WrongAnswer, kind
 from tutorial_lib.checks.framework import answers
 from tutorial_lib.checks.framework.answers import as_floats, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.topology.mapping.vertices import Indices
 
 _SAID = {
     "truth value": "an if wants one value; here it gets an array",
@@ -32,7 +29,7 @@ INVOKE = calling(
 """How students' rules are called."""
 
 
-def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
+def frame_indices(what: str, got: Any, *_: object) -> Indices:  # noqa: ANN401
     """The indices of frames (A,) that a student returned."""
     got = returned(what, got)
     if not isinstance(got, np.ndarray | list | tuple):

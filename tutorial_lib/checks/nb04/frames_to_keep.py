@@ -1,27 +1,25 @@
 """The check of the frames that anchors with their contexts need, in notebook 04."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise
 from tutorial_lib.checks.nb04.forms import calling, frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
+from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.follower_states import frames_kept
 from tutorial_lib.viz.figures.panels import stacked
 
 
-def frames_to_keep(anchors: NDArray[np.intp], total: int, k: int) -> NDArray[np.intp]:
+def frames_to_keep(anchors: Indices, total: int, k: int) -> Indices:
     """The frames, of a trajectory of `total`, that its anchors (A,) with their contexts need."""
     around = frames_around(anchors, k, 0, total - 1)
     return np.unique(around)
 
 
-def _random(count: int) -> dict[str, tuple[NDArray[np.intp], int, int]]:
+def _random(count: int) -> dict[str, tuple[Indices, int, int]]:
     """Trajectories of 2 to 60 frames with some anchors between the ends."""
     rng, cases = np.random.default_rng(6), {}
     for _ in range(count):
@@ -49,8 +47,7 @@ a frame that two contexts share is kept once: np.unique
 there are no frames before 0 or after the last; there the context repeats the first or last frame
     frames_around(anchors, k, 0, total - 1) -> anchors[:, None] + 3 * np.arange(-k, k + 1)
 a frame before 0 is no frame from the end; np.clip keeps it within the trajectory
-    frames_around(anchors, k, 0, total - 1)
-        -> (anchors[:, None] + 3 * np.arange(-k, k + 1)) % total
+    frames_around(anchors, k, 0, total - 1) -> (anchors[:, None] + 3 * np.arange(-k, k + 1)) % total
 the last frame is total - 1, not total
     total - 1 -> total
 the frames of a context are 3 frames apart
@@ -99,16 +96,14 @@ _HINTS: dict[type[Exception], str] = {
 }
 
 
-def _form(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401 - students'
+def _form(what: str, got: Any, *_: object) -> Indices:  # noqa: ANN401 - students'
     """Frames in rising order."""
     if isinstance(got, int | np.integer):
         raise WrongAnswer(f"{what}: return the indices of the frames, not how many there are")
     return np.sort(frame_indices(what, list(got) if isinstance(got, set) else got))
 
 
-def _broken(
-    got: NDArray[np.intp], want: NDArray[np.intp], anchors: NDArray[np.intp], total: int, k: int
-) -> str:
+def _broken(got: Indices, want: Indices, anchors: Indices, total: int, k: int) -> str:
     """Which part of the rule the wrong frames break."""
     if got.size and not (got.min() >= 0 and got.max() < total):
         return "the trajectory ends on both sides: a context that reaches beyond repeats the end"
@@ -119,30 +114,24 @@ def _broken(
     return "only what a context holds is kept; the ends of the trajectory are no exception"
 
 
-def _difference(
-    got: NDArray[np.intp],
-    want: NDArray[np.intp],
-    anchors: NDArray[np.intp],
-    total: int,
-    k: int,
-) -> str:
+def _difference(got: Indices, want: Indices, anchors: Indices, total: int, k: int) -> str:
     """The first frame that is missing, or too many, and why."""
-    if len(set(got.tolist())) < len(got):
-        twice = got[np.flatnonzero(np.diff(got) == 0)[0]]
-        return f"frame {twice} comes twice"
-    for frame in np.setdiff1d(want, got).tolist():
-        steps = range(-k, k + 1)
+    twice, missing = got[1:][np.diff(got) == 0], np.setdiff1d(want, got)
+    if twice.size:
+        return f"frame {twice[0]} comes twice"
+    if missing.size:
+        steps, last = range(-k, k + 1), total - 1
         found = (
-            (a, s) for a in anchors for s in steps if np.clip(a + 3 * s, 0, total - 1) == frame
+            (a, s) for a in anchors for s in steps if np.clip(a + 3 * s, 0, last) == missing[0]
         )
         anchor, step = min(found, key=lambda pair: abs(pair[1]))
-        return f"frame {frame} is missing: anchor {anchor} {3 * step:+d} needs it"
+        return f"frame {missing[0]} is missing: anchor {anchor} {3 * step:+d} needs it"
     extra = np.setdiff1d(got, want)[0]
     words = f"from {-k} to {k} times 3 frames away, and from 0 to {total - 1}"
     return f"frame {extra} is too many; no anchor needs it: the frames of a context are {words}"
 
 
-def _drawn(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
+def _drawn(want: Indices, got: Indices) -> NDArray[np.uint8]:
     anchors, total, _ = next(iter(CASES.values()))
     shown = [frame for frame in got.tolist() if 0 <= frame < total]
     rows = [frames_kept(total, frames, anchors.tolist()) for frames in (want.tolist(), shown)]

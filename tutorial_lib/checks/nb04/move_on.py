@@ -1,11 +1,8 @@
 """The check of how a follower moves on along its path of anchors, in notebook 04."""
 
-from __future__ import annotations
-
 from typing import Any
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.engine import exercise, parts
 from tutorial_lib.checks.nb04.forms import INVOKE, came_back, demand, whole
 from tutorial_lib.checks.nb04.observations import OBSERVATIONS, random_observations
 from tutorial_lib.geometry import Array
@@ -136,10 +133,6 @@ def _formed(what: str, got: Any, *_: object) -> tuple[int, ...]:  # noqa: ANN401
     return tuple(int(number) for number in answer)
 
 
-def _why(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
-    return came_back(got, want, why_moved(*case))
-
-
 def _broken(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
     """Which part of the rule an answer breaks."""
     if got[1] != want[1]:
@@ -184,6 +177,6 @@ check_move_on = exercise(
     example=OBSERVATIONS["the next one reachable and near"],
     invoke=INVOKE,
     form=_formed,
-    difference=_why,
+    difference=lambda got, want, *case: came_back(got, want, why_moved(*case)),
     broken=_broken,
 )

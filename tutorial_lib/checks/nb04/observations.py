@@ -1,7 +1,5 @@
 """Single observations of a follower, for the checks of notebook 04."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

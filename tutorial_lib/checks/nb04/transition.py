@@ -1,14 +1,11 @@
 """The check of the follower's state machine, in notebook 04."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.engine import exercise, parts
 from tutorial_lib.checks.nb04.forms import INVOKE, came_back, demand, whole
 from tutorial_lib.checks.nb04.move_on import move_on, why_moved
 from tutorial_lib.checks.nb04.observations import (
@@ -74,8 +71,8 @@ def _random_steps(count: int, seed: int) -> dict[str, tuple[Any, ...]]:
         if state == _S:
             active, visited, at = -1, -1, False
         waited = float((0.0, rules.timeout, rules.timeout + 0.1)[rng.integers(3)])
-        case = (state, active, visited, reach, overlap, at, waited, rules)
-        steps[f"step {number}, {state.name}"] = case
+        seen = active, visited, reach, overlap, at, rules
+        steps[f"step {number}, {state.name}"] = _step(state, seen, waited)
     return steps
 
 
@@ -125,8 +122,7 @@ dead reckoning must end, too: in FOLLOW, or in LOST
     reach[active] > rules.p_follow -> False
     State.LOST if waited > rules.timeout else state -> state
 a robot that is done keeps its anchors: DONE before move_on
-    State.DONE, active, visited
-        -> State.DONE, *move_on(active, visited, reach, overlap, at, rules)
+    State.DONE, active, visited -> State.DONE, *move_on(active, visited, reach, overlap, at, rules)
 RE of exactly a threshold is not above it
     > rules.p_search -> >= rules.p_search
     > rules.p_follow -> >= rules.p_follow
@@ -225,10 +221,6 @@ def _formed(what: str, got: Any, *_: object) -> tuple[int, ...]:  # noqa: ANN401
     return (State(int(answer[0])), *map(int, answer[1:]))
 
 
-def _why(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
-    return came_back(got, want, _why_state(*case))
-
-
 def _broken(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
     """Which part of the rule an answer breaks."""
     state, active, _, reach, _, at = case[:6]
@@ -254,24 +246,16 @@ def _broken(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # 
     return "in Follow RE of the new active anchor decides, FOLLOW only above rules.p_lose"
 
 
-def _why_state(
-    state: State,
-    active: int,
-    visited: int,
-    reach: Array,
-    overlap: Array,
-    at: bool,
-    waited: float,
-    rules: FollowerSettings,
-) -> str:
+def _why_state(*case: Any) -> str:  # noqa: ANN401
     """What decides about the next state."""
+    state, active, visited, reach, overlap, at, waited, rules = case
     if state == State.SEARCH:
         best = int(reach.argmax())
         words = f"in Search the best RE is {reach[best]:g}, of anchor {best}"
         return f"{words}; rules.p_search = {rules.p_search:g}"
     if state == State.DEAD_RECKONING:
-        words = f"in dead reckoning for {waited:g} s (rules.timeout = {rules.timeout:g}), RE of"
-        words = f"{words} anchor {active} is {reach[active]:g}"
+        words = f"in dead reckoning for {waited:g} s (rules.timeout = {rules.timeout:g}), RE of "
+        words += f"anchor {active} is {reach[active]:g}"
         return f"{words} (rules.p_follow = {rules.p_follow:g}); the anchors stay"
     if at and active == len(reach) - 1:
         return "in Follow, at the last anchor; active and visited stay"
@@ -288,6 +272,6 @@ check_transition = exercise(
     example=CASES["Search, none reachable"],
     invoke=INVOKE,
     form=_formed,
-    difference=_why,
+    difference=lambda got, want, *case: came_back(got, want, _why_state(*case)),
     broken=_broken,
 )

@@ -1,15 +1,12 @@
 """The check of which vertices lie ahead of those reused, in notebook 05."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, mask
+from tutorial_lib.checks.engine import Mask, calling, exercise, mask
 from tutorial_lib.topology.mapping.edge_rules import ahead_of
+from tutorial_lib.topology.mapping.vertices import Indices
 
-Case = tuple[NDArray, NDArray, list[int]]
+Case = tuple[Indices, Indices, list[int]]
 
 
 def _random_case(seed: int) -> Case:
@@ -76,17 +73,7 @@ a vertex must lie ahead of all that were reused, not of one of them: and, not or
 """
 
 
-def _per_vertex(what: str, got: object, trajectory: NDArray, *_: object) -> NDArray[np.bool_]:
-    return mask(what, got, trajectory.shape)
-
-
-def _why(
-    got: NDArray[np.bool_],
-    want: NDArray[np.bool_],
-    trajectory: NDArray,
-    place: NDArray,
-    reused: list[int],
-) -> str:
+def _why(got: Mask, want: Mask, trajectory: Indices, place: Indices, reused: list[int]) -> str:
     """The first vertex about which an answer is wrong."""
     vertex = int(np.flatnonzero(got != want)[0])
     its = f"vertex {vertex} (trajectory {trajectory[vertex]}, place {place[vertex]})"
@@ -102,6 +89,10 @@ def _why(
     return f"yours allows {its}, but {words}; only greater places lie ahead"
 
 
+_HINTS: dict[type[Exception], str] = {
+    IndexError: "reused may be empty, and holds indices of vertices",
+    ValueError: "reused may be empty; then all vertices may be taken",
+}
 check_ahead_of = exercise(
     ahead_of,
     CASES,
@@ -109,12 +100,7 @@ check_ahead_of = exercise(
     module=__name__,
     about="Maps of several trajectories: nothing reused yet, one vertex, several, and no order.",
     example=CASES["one of each trajectory"],
-    invoke=calling(
-        {
-            IndexError: "reused may be empty, and holds indices of vertices",
-            ValueError: "reused may be empty; then all vertices may be taken",
-        }
-    ),
-    form=_per_vertex,
+    invoke=calling(_HINTS),
+    form=lambda what, got, trajectory, *_: mask(what, got, trajectory.shape),
     difference=_why,
 )

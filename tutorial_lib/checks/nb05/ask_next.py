@@ -1,12 +1,9 @@
 """The check of the search along trajectories, in notebook 05."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, mask
+from tutorial_lib.checks.engine import Mask, calling, case, exercise, mask
 from tutorial_lib.checks.nb05.trajectories import MIXED, ONE, TWO, random_reach
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -14,15 +11,8 @@ from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 
-def ask_next(reach: Array, before: Indices, after: Indices, p_edge: float) -> NDArray[np.bool_]:
-    """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories.
-
-    Args:
-        reach: (A, V) RE, NaN where not evaluated.
-        before: (V,) the vertex before each on its trajectory, -1 for none.
-        after: (V,) the vertex after each.
-        p_edge: RE above which a pair is sure.
-    """
+def ask_next(reach: Array, before: Indices, after: Indices, p_edge: float) -> Mask:
+    """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories."""
     found = np.zeros(reach.shape, dtype=bool)
     rows, columns = np.nonzero(reach > p_edge)
     for step, beside in ((1, after), (-1, before), (0, after), (0, before)):
@@ -120,7 +110,7 @@ the next vertex along a trajectory is after[v], not v + 1
 """
 
 
-def _broken(got: NDArray[np.bool_], want: NDArray[np.bool_], *_: object) -> str:
+def _broken(got: Mask, want: Mask, *_: object) -> str:
     """Which part of the rule is broken."""
     if (want & ~got).any():
         return "all four neighbours of every sure pair are asked next, where nobody has asked yet"
@@ -128,12 +118,7 @@ def _broken(got: NDArray[np.bool_], want: NDArray[np.bool_], *_: object) -> str:
 
 
 def _why(
-    got: NDArray[np.bool_],
-    want: NDArray[np.bool_],
-    reach: Array,
-    before: Indices,
-    after: Indices,
-    p_edge: float,
+    got: Mask, want: Mask, reach: Array, before: Indices, after: Indices, p_edge: float
 ) -> str:
     """The first pair about which an answer is wrong."""
     i, v = (int(n) for n in np.argwhere(got != want)[0])
@@ -149,11 +134,7 @@ def _why(
     return f"({i}, {v}) must be queried"
 
 
-def _pairs(what: str, got: object, reach: Array, *_: object) -> NDArray[np.bool_]:
-    return mask(what, got, reach.shape)
-
-
-def _tables(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
+def _tables(want: Mask, got: Mask) -> NDArray[np.uint8]:
     tables = [edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (want, got)]
     return side_by_side(tables, ["expected", "yours"], gap=30)
 
@@ -166,7 +147,7 @@ check_ask_next = exercise(
     about="Tables of which little, nothing or everything is known, and vertices in no order.",
     example=case(_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6),
     invoke=calling({IndexError: "beyond an end of a trajectory there is nothing to query"}),
-    form=_pairs,
+    form=lambda what, got, reach, *_: mask(what, got, reach.shape),
     difference=_why,
     broken=_broken,
     draw=_tables,

@@ -1,15 +1,11 @@
 """The check of the weights of a map's edges, in notebook 05."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import Mask, calling, case, close, exercise, numbers
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.viz.figures.edge_tables import edge_table
@@ -31,32 +27,23 @@ DRIVEN = np.zeros((6, 6), dtype=bool)
 DRIVEN[[0, 1, 3, 4], [1, 2, 4, 5]] = True
 
 
-def edge_weights(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> Array:
-    """Weights (V, V) of a map's edges, inf where there is none (Meng 2020, III-E).
-
-    Args:
-        reach: (V, V) RE from each vertex, a row, to each other one.
-        driven: (V, V) where a trajectory goes from vertex to vertex.
-        p_edge: RE above which two are joined.
-    """
+def edge_weights(reach: Array, driven: Mask, p_edge: float) -> Array:
+    """Weights (V, V) of a map's edges, inf where there is none (Meng 2020, III-E)."""
     kept = (reach > p_edge) | driven
     np.fill_diagonal(kept, False)
     return np.where(kept, weight(reach), np.inf)
 
 
-def _random_map(vertices: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
+def _random_map(vertices: int, seed: int) -> tuple[Array, Mask]:
     """RE and driven edges of one long trajectory."""
     reach = np.random.default_rng(seed).uniform(0.0, 1.0, (vertices, vertices)).round(2)
     np.fill_diagonal(reach, 1.0)
     return reach, np.eye(vertices, k=1, dtype=bool)
 
 
-_NEVER = BY_HAND.copy()
-_NEVER[[3, 4], [4, 5]] = 0.0, 0.5
-_FAINT = BY_HAND.copy()
-_FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
-_TWO_WAYS = DRIVEN | DRIVEN.T
-_LOOPS = DRIVEN | np.eye(6, dtype=bool)
+_NEVER, _FAINT = BY_HAND.copy(), BY_HAND.copy()
+_NEVER[[3, 4], [4, 5]], _FAINT[[3, 4], [4, 5]] = (0.0, 0.5), (1e-15, 1.0)
+_SELF = np.eye(6, dtype=bool)
 CASES = {
     "the map above": case(BY_HAND, DRIVEN, 0.9),
     "another p_edge": case(BY_HAND, DRIVEN, 0.5),
@@ -64,9 +51,9 @@ CASES = {
         np.where(BY_HAND > 0.98, 0.9999, BY_HAND + 0.005), DRIVEN, 0.9
     ),
     "RE equals p_edge": case(np.where(BY_HAND == 0.3, 0.9, BY_HAND), DRIVEN, 0.9),
-    "a diagonal below p_edge": case(np.where(np.eye(6, dtype=bool), 0.2, BY_HAND), DRIVEN, 0.9),
-    "driven both ways": case(BY_HAND, _TWO_WAYS, 0.9),
-    "driven has True on its diagonal": case(BY_HAND, _LOOPS, 0.9),
+    "a diagonal below p_edge": case(np.where(_SELF, 0.2, BY_HAND), DRIVEN, 0.9),
+    "driven both ways": case(BY_HAND, DRIVEN | DRIVEN.T, 0.9),
+    "driven has True on its diagonal": case(BY_HAND, DRIVEN | _SELF, 0.9),
     "no trajectory": case(BY_HAND, np.zeros_like(DRIVEN), 0.9),
     "p_edge = 0": case(np.where(BY_HAND < 0.06, 0.0, BY_HAND), DRIVEN, 0.0),
     "one vertex": case(np.ones((1, 1)), np.zeros((1, 1), dtype=bool), 0.9),
@@ -130,11 +117,7 @@ the map is directed: RE from i to j says nothing about RE from j to i
 """
 
 
-def _form(what: str, got: object, reach: Array, *_: object) -> Array:
-    return numbers(what, got, reach.shape)
-
-
-def _why(got: Array, want: Array, reach: Array, driven: NDArray[np.bool_], p_edge: float) -> str:
+def _why(got: Array, want: Array, reach: Array, driven: Mask, p_edge: float) -> str:
     """The first pair with a wrong weight."""
     if np.isnan(got).any():
         return "some weights are not a number; where there is no edge the weight is np.inf"
@@ -178,7 +161,7 @@ check_edge_weights = exercise(
     about="The map done by hand with other thresholds, RE almost 0, no edges at all, a larger one.",
     example=case(*_random_map(120, 2), 0.9),
     invoke=calling(),
-    form=_form,
+    form=lambda what, got, reach, *_: numbers(what, got, reach.shape),
     same=partial(close, tolerance=1e-9),
     difference=lambda *_: "",
     broken=_why,

@@ -1,7 +1,5 @@
 """The check of the insertion of a trajectory into a map, in notebook 05."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,30 +8,17 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise, mistakes_of
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import Mask, WrongAnswer, case, exercise, kind, mistakes_of
 from tutorial_lib.checks.framework.explanation import explained
-from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb05.small_map import SmallMap
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 from tutorial_lib.topology.mapping.vertices import Indices
 
-Through = Callable[[SmallMap, Indices, list[int], int], tuple[Array, Array]]
-"""RE (V,) to each vertex from the anchor before, and from each to the anchor after."""
-
 
 def through(grown: SmallMap, own: Indices, path: list[int], i: int) -> tuple[Array, Array]:
-    """RE (V,) to each vertex from what is before anchor i, and from each to the anchor after.
-
-    Args:
-        grown: the map.
-        own: anchors of the trajectory.
-        path: the vertices of the anchors before i.
-        i: of the anchor.
-    """
+    """RE (V,) to each vertex from what is before anchor i, and from each to the anchor after."""
     before, after = path[i - 1] if i else own[0], own[min(i + 1, len(own) - 1)]
     return grown.reach[before, grown.vertices], grown.reach[grown.vertices, after]
 
@@ -43,21 +28,11 @@ def insert(
     own: Indices,
     scores: Array,
     p_reuse: float,
-    through: Through = through,
-    ahead_of: Callable[..., NDArray[np.bool_]] = edge_rules.ahead_of,
+    through: Callable[..., tuple[Array, Array]] = through,
+    ahead_of: Callable[..., Mask] = edge_rules.ahead_of,
     reusable: Callable[..., int] = edge_rules.reusable,
 ) -> None:
-    """Insert a trajectory into a map (Meng 2020, III-E).
-
-    Args:
-        grown: the map, which changes.
-        own: (A,) the trajectory's anchors, in order.
-        scores: (N, N) RE of pairs as edges; with sequences the least of those aligned.
-        p_reuse: RE above which a vertex takes an anchor's place.
-        through: RE by which vertices are judged.
-        ahead_of: which vertices may be taken after others.
-        reusable: which of them takes an anchor's place.
-    """
+    """Insert a trajectory into a map (Meng 2020, III-E); see the exercise."""
     path, reused = [], []
     for i, anchor in enumerate(own.tolist()):
         into, onward = through(grown, own, path, i)
@@ -97,11 +72,7 @@ class Story:
 def _along(places: list[list[float]], p_reuse: float, seed: int, less: float = 0.0) -> Story:
     """Trajectories along a corridor: RE falls with the metres ahead, and faster behind.
 
-    Args:
-        places: metres along the corridor of each trajectory's anchors.
-        p_reuse: of the story.
-        seed: of a little noise.
-        less: by which RE as edges is lower, as with sequences; higher if negative.
+    As edges, as with sequences, RE is lower by `less`; higher if that is negative.
     """
     rng, metres = np.random.default_rng(seed), np.concatenate(places)
     ahead = metres - metres[:, None]
@@ -211,10 +182,6 @@ onward leads to the anchor after, own[i + 1], not to the anchor itself
     own[min(i + 1, len(own) - 1)] -> own[i]
 """
 """Mistakes of the RE by which vertices are judged."""
-OTHERS = {
-    words: partial(insert, through=mistake)
-    for words, mistake in mistakes_of(through, THROUGH).items()
-}
 _TABLES = {
     "trajectory": "the trajectory that a new vertex was made for is the number of paths before",
     "place": "the place of a vertex is its index along the trajectory, dropped anchors counted",
@@ -249,11 +216,9 @@ def _demand_form(
     """Demand a map of the right form, whose table and trajectory did not change."""
     if back is not None and back is not grown:
         raise WrongAnswer(f"{kind(back)} came back; change the map that is given, return nothing")
-    same = np.array_equal(grown.reach, story.reach) and np.array_equal(given[1], story.scores)
-    if not same or not np.array_equal(given[0], own):
-        raise WrongAnswer(
-            "reach, scores and own are needed again: write into the other tables only"
-        )
+    if not all(map(np.array_equal, (grown.reach, *given), (story.reach, own, story.scores))):
+        words = "reach, scores and own are needed again"
+        raise WrongAnswer(f"{words}: write into the other tables only")
     try:
         grown.vertices = [int(v) for v in grown.vertices]
         grown.paths = [[int(v) for v in path] for path in grown.paths]
@@ -271,29 +236,22 @@ def _invoke(what: str, student: Callable[..., Any], story: Story, number: int) -
     what = what.partition(", after")[0]  # that is said of maps alone
     try:
         return _play(student, story, number)
-    except WrongAnswer as wrong:
-        raise WrongAnswer(f"{what}: {wrong}") from None
     except NotImplementedError:
         raise
     except Exception as error:
-        raise WrongAnswer(f"{what}: {explained(error, hints)}") from None
-
-
-def _broken(got: SmallMap, want: SmallMap, story: Story, number: int) -> str:
-    """The first difference of two maps, and why another vertex is right."""
-    return _difference(got, want) + _chosen(got, want, story, number)
+        words = str(error) if isinstance(error, WrongAnswer) else explained(error, hints)
+        raise WrongAnswer(f"{what}: {words}") from None
 
 
 def _chosen(got: SmallMap, want: SmallMap, story: Story, number: int) -> str:
     """Why another vertex, or none, stands on the path for the first anchor that is wrong."""
     if len(got.paths) != len(want.paths) or len(got.paths[-1]) != len(want.paths[-1]):
         return ""
-    pairs = list(zip(got.paths[-1], want.paths[-1], strict=True))
-    i = next((i for i, (mine, right) in enumerate(pairs) if mine != right), None)
-    if i is None:
+    own, path = story.trajectories[number - 1], want.paths[-1]
+    i = _first_other(got.paths[-1], path)
+    if i == len(path):
         return ""
-    own, path, taken = story.trajectories[number - 1], want.paths[-1], pairs[i][0]
-    before = _by_rule(insert, story, number - 1)
+    before, taken = _by_rule(insert, story, number - 1), got.paths[-1][i]
     if taken == own[i]:
         return "; a vertex of the map can take its place"
     if taken not in before.vertices:
@@ -308,28 +266,32 @@ def _chosen(got: SmallMap, want: SmallMap, story: Story, number: int) -> str:
     return f"{words}, and onward from it to {end} {onward:.3f}; p_reuse is {story.p_reuse:g}"
 
 
+def _first_other(mine: list[int], right: list[int]) -> int:
+    """The first place at which two paths of the same length differ; their length if none."""
+    return int(np.append(np.not_equal(mine, right), True).argmax())
+
+
 def _difference(got: SmallMap, want: SmallMap) -> str:
     """The first difference of two maps; empty if there is none."""
     if len(got.paths) != len(want.paths):
         shown = f"the map has {len(got.paths)} paths, but {len(want.paths)} is right"
         return f"{shown}: append the new path to those that are there"
+    if got.paths[:-1] != want.paths[:-1]:
+        return "paths of earlier trajectories stay as they are; append the new one"
     if got.paths != want.paths:
         mine, right = got.paths[-1], want.paths[-1]
         shown = f"your new path is {mine}, but {right} is right"
-        if got.paths[:-1] != want.paths[:-1]:
-            return "paths of earlier trajectories stay as they are; append the new one"
         if len(mine) == len(right):
-            i = next(i for i, pair in enumerate(zip(mine, right, strict=True)) if len({*pair}) > 1)
-            shown += f": look at anchor {i} of the trajectory"
-        else:
-            shown += ": it has a vertex for each anchor, reused or not"
-        return shown
-    if sorted(got.vertices) != sorted(want.vertices):
-        extra = sorted(set(got.vertices) - set(want.vertices))
-        lost = sorted(set(want.vertices) - set(got.vertices))
-        if extra:
-            return f"{extra} became vertices, though they were replaced"
-        return f"{lost} must be vertices" if lost else "a vertex stands in vertices twice"
+            return f"{shown}: look at anchor {_first_other(mine, right)} of the trajectory"
+        return f"{shown}: it has a vertex for each anchor, reused or not"
+    extra = sorted(set(got.vertices) - set(want.vertices))
+    lost = sorted(set(want.vertices) - set(got.vertices))
+    if extra:
+        return f"{extra} became vertices, though they were replaced"
+    if lost:
+        return f"{lost} must be vertices"
+    if len(got.vertices) != len(want.vertices):
+        return "a vertex stands in vertices twice"
     for name, words in _TABLES.items():
         mine, right = getattr(got, name), getattr(want, name)
         wrong = np.flatnonzero(mine != right)
@@ -367,8 +329,7 @@ def _example() -> tuple:
     """A trajectory to insert into a map of 90 vertices."""
     large = _along([np.linspace(0, 40, 90).tolist(), np.linspace(5, 30, 17).tolist()], 0.9, 8)
     grown, (first, second) = SmallMap.empty(large.reach), large.trajectories
-    grown.vertices = first.tolist()
-    grown.paths = [first.tolist()]
+    grown.vertices, grown.paths = first.tolist(), [first.tolist()]
     grown.trajectory[first], grown.place[first] = 0, first
     grown.before[first[1:]], grown.after[first[:-1]] = first[:-1], first[1:]
     return grown, second, large.scores, large.p_reuse
@@ -381,7 +342,9 @@ check_insert = exercise(
     module=__name__,
     about="Trajectories that pass the same places, part, stand still, turn back, or meet nothing.",
     example=_example(),
-    others=OTHERS,
+    others={
+        w: partial(insert, through=wrong) for w, wrong in mistakes_of(through, THROUGH).items()
+    },
     calls=600,
     endless="insert: your function has not ended after {seconds:g} seconds. Does it add to a list "
     "while it goes through that list?",
@@ -389,5 +352,5 @@ check_insert = exercise(
     invoke=_invoke,
     same=lambda got, want, *_: not _difference(got, want),
     difference=lambda *_: "",
-    broken=_broken,
+    broken=lambda got, want, *case: _difference(got, want) + _chosen(got, want, *case),
 )

@@ -1,20 +1,14 @@
 """The check of which vertex takes the place of an anchor, in notebook 05."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.checks.engine import Mask, WrongAnswer, calling, exercise, kind
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.edge_rules import reusable
 
-Case = tuple[Array, Array, NDArray[np.bool_], float]
+Case = tuple[Array, Array, Mask, float]
 
 
 def _random_case(seed: int) -> Case:
@@ -103,9 +97,7 @@ def _vertex(what: str, got: Any, into: Array, *_: object) -> int:  # noqa: ANN40
     if got is None:
         raise WrongAnswer(f"{what}: None came back; return -1 where no vertex fits")
     whole = isinstance(got, int | np.integer) and not isinstance(got, bool | np.bool_)
-    if isinstance(got, np.ndarray) and got.shape == () and got.dtype.kind == "i":
-        whole = True
-    if not whole:
+    if not (whole or (isinstance(got, np.ndarray) and got.shape == () and got.dtype.kind == "i")):
         shown = kind(got) if isinstance(got, np.ndarray | list) else repr(got)
         words = "return the index of one vertex, a whole number, or -1"
         raise WrongAnswer(f"{what}: {shown} came back; {words}")
@@ -122,9 +114,7 @@ def _as_good(got: int, want: int, into: Array, onward: Array, *rest: Any) -> boo
     return fits and np.isclose(into[got] * onward[got], into[want] * onward[want], atol=1e-12)
 
 
-def _why(
-    got: int, want: int, into: Array, onward: Array, allowed: NDArray[np.bool_], p_reuse: float
-) -> str:
+def _why(got: int, want: int, into: Array, onward: Array, allowed: Mask, p_reuse: float) -> str:
     """What is wrong with one answer."""
     if got < 0:
         numbers = f"into {into[want]:.4g} and onward {onward[want]:.4g}"
@@ -140,6 +130,10 @@ def _why(
     return f"vertex {got} fits, but its product into * onward is only {products}"
 
 
+_HINTS: dict[type[Exception], str] = {
+    ValueError: "is there a vertex that fits? Ask .any() before argmax",
+    IndexError: "is there a vertex that fits? Ask .any() first",
+}
 check_reusable = exercise(
     reusable,
     CASES,
@@ -147,12 +141,7 @@ check_reusable = exercise(
     module=__name__,
     about="Anchors for which vertices fit, fit by half, may not be taken, or do not exist.",
     example=CASES["two fit"],
-    invoke=calling(
-        {
-            ValueError: "is there a vertex that fits? Ask .any() before argmax",
-            IndexError: "is there a vertex that fits? Ask .any() first",
-        }
-    ),
+    invoke=calling(_HINTS),
     form=_vertex,
     same=_as_good,
     difference=_why,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework.answers import Mask
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
 
@@ -30,7 +30,7 @@ class SmallMap:
     vertices: list[int]
     paths: list[list[int]]
     edge_reach: Array
-    driven: NDArray[np.bool_]
+    driven: Mask
     trajectory: Indices
     place: Indices
     before: Indices

@@ -1,7 +1,5 @@
 """Small maps of several trajectories, for the checks of notebook 05."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.geometry import Array

@@ -1,17 +1,12 @@
 """The check of aligned sequences, in notebook 05."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, edited, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, close, edited, exercise, numbers
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -20,14 +15,7 @@ from tutorial_lib.viz.figures.panels import side_by_side, stacked
 
 
 def weakest_aligned(reach: Array, before: Indices, after: Indices, steps: int) -> Array:
-    """The least RE (A, V) over aligned sequences around each pair (Meng 2020, III-G).
-
-    Args:
-        reach: (A, V) RE from each anchor of a trajectory, in order, to each vertex.
-        before: (V,) the vertex before each on its own trajectory, -1 for none.
-        after: (V,) the vertex after each.
-        steps: anchors on either side.
-    """
+    """The least RE (A, V) over aligned sequences around each pair (Meng 2020, III-G)."""
     values = [reach]
     for direction, beside in ((-1, before), (1, after)):
         rows, columns = np.indices(reach.shape)
@@ -130,15 +118,13 @@ def _of_neighbours(reach: Array, before: Indices, after: Indices, steps: int) ->
     return reach
 
 
-OTHERS = {
-    "look along the trajectories from each pair itself; the least that a neighbour has found may "
-    "lie on another one, where a trajectory runs into it": _of_neighbours,
-}
+def _first_wrong(got: Array, want: Array) -> list[int]:
+    return np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0].tolist()
 
 
 def _broken(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken at the first pair that is wrong."""
-    i, v = (int(n) for n in np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0])
+    i, v = _first_wrong(got, want)
     if got[i, v] < want[i, v]:
         return (
             "yours counts a pair that is not aligned: both fingers move together, one row and one "
@@ -154,7 +140,7 @@ def _why(got: Array, want: Array, reach: Array, before: Indices, after: Indices,
     """The first pair that is wrong, and what counts for it."""
     if np.isnan(got).any():
         return "some of it is not a number; every pair has at least its own RE"
-    i, v = (int(n) for n in np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0])
+    i, v = _first_wrong(got, want)
     pairs = {(i, v): reach[i, v]}
     for step, beside in ((-1, before), (1, after)):
         row, column = i + step, beside[v]
@@ -189,7 +175,10 @@ check_weakest_aligned = exercise(
     module=__name__,
     about="Tables with longer and shorter sequences, several trajectories, vertices in no order.",
     example=case(random_reach(4, 6, 7), *TWO, 2),
-    others=OTHERS,
+    others={
+        "look along the trajectories from each pair itself; the least that a neighbour has found "
+        "may lie on another one, where a trajectory runs into it": _of_neighbours,
+    },
     invoke=calling({IndexError: "where a trajectory ends the sequence ends, too"}),
     form=_per_pair,
     same=partial(close, tolerance=1e-9),
