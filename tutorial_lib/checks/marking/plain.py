@@ -39,9 +39,12 @@ def parts(value: Any) -> tuple[Any, ...]:  # noqa: ANN401
         return "complex", value.real, value.imag
     for graph in _GRAPHS:
         if isinstance(value, graph):
-            keys = {"keys": True} if isinstance(value, nx.MultiGraph) else {}
-            edges = list(value.edges(data=True, **keys))
-            return "graph", graph.__name__, dict(value.graph), list(value.nodes.data()), edges
+            edges = (
+                value.edges(keys=True, data=True)
+                if isinstance(value, nx.MultiGraph)
+                else value.edges.data()
+            )
+            return "graph", graph.__name__, dict(value.graph), list(value.nodes.data()), list(edges)
     if kind.__module__.startswith(_LIBRARY):
         where = kind.__module__, kind.__qualname__
         if isinstance(value, Enum):
