@@ -78,22 +78,20 @@ def _name(folder: Path) -> str:
 
 
 def _folders(folder: Path) -> list[Path]:
-    try:
-        inside = sorted(folder.iterdir())
-    except OSError:
-        return []
-    return [p for p in inside if not p.name.startswith((".", *_OURS)) and _is_folder(p)]
-
-
-def _is_folder(path: Path) -> bool:
-    return path.is_dir() and not _FILE.fullmatch(path.name)
+    others = [p for p in _inside(folder) if not p.name.startswith((".", *_OURS))]
+    return [p for p in others if p.is_dir() and not _FILE.fullmatch(p.name)]
 
 
 def _has_answers(folder: Path) -> bool:
+    return any(path.suffix == ".py" for path in _inside(folder))
+
+
+def _inside(folder: Path) -> list[Path]:
+    """What lies in a folder; nothing where it cannot be read."""
     try:
-        return any(path.suffix == ".py" for path in folder.iterdir())
+        return sorted(folder.iterdir())
     except OSError:
-        return False
+        return []
 
 
 def _student(name: str, folder: Path, exercises: Sequence[str]) -> Student:

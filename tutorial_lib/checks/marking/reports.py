@@ -70,15 +70,12 @@ def lines_of(one: Marked) -> str:
     if one.student.problem:
         lines.append(f"  {one_line(str(one.student.folder))}: {one.student.problem}")
     for mark in one.marks:
-        lines.append(f"  {mark.exercise}: {mark.status}{_told(mark)}")
+        said = f". {one_line(mark.message, _SHOWN)}" if mark.status == "failed" else ""
+        lines.append(f"  {mark.exercise}: {mark.status}{said}")
         if mark.printed:
             lines.append(f"    it printed: {one_line(mark.printed, _PRINTED)}")
     lines += [f"  {_UNKNOWN} {one_line(n)}: {words}" for n, words in one.student.unknown.items()]
     return "\n".join(lines)
-
-
-def _told(mark: Mark) -> str:
-    return f". {one_line(mark.message, _SHOWN)}" if mark.status == "failed" else ""
 
 
 def write_csv(path: Path, marked: Sequence[Marked]) -> None:

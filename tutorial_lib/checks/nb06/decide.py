@@ -30,16 +30,7 @@ def decide(
     join_ends: Callable[..., Graph] = join_ends,
     most_probable_path: Callable[..., Found] = most_probable_path,
 ) -> Decision:
-    """The best path, its probability, and the reason to refuse; see `join_ends`.
-
-    Args:
-        graph: of a map.
-        from_here: RE from here to vertices.
-        to_goals: for each goal image, RE to it.
-        rules: `p_query`, `p_goal` and `least`.
-        join_ends: adds the edges of both ends.
-        most_probable_path: plans.
-    """
+    """The best path, its probability, and the reason to refuse; see the exercise."""
     sure = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
     path, p = most_probable_path(sure, HERE, GOAL)
     if path:
@@ -194,15 +185,9 @@ def _decision(what: str, got: Any, graph: Graph, *_: object) -> Decision:  # noq
     return path, round(number(what, probability, "as the probability"), 9), reason
 
 
-def _unlike(
-    got: Decision,
-    want: Decision,
-    graph: Graph,
-    from_here: Mapping[Vertex, float],
-    to_goals: Sequence[Mapping[Vertex, float]],
-    rules: DijkstraPlanner,
-) -> str:
+def _unlike(got: Decision, want: Decision, *case: Any) -> str:  # noqa: ANN401
     """What is wrong with a decision, and what leads to the right one."""
+    graph, from_here, to_goals, rules = case
     shown = [f"{d[2] or 'start'!r}, path {d[0]} with {d[1]:.3g}" for d in (got, want)]
     joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
     if most_probable_path(joined, HERE, GOAL)[0]:

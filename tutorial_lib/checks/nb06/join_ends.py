@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math  # noqa: F401 - edits of the rule use it
-from collections.abc import Callable, Mapping, Sequence
-from inspect import signature
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,15 +23,7 @@ def join_ends(
     p_here: float,
     p_goal: float,
 ) -> Graph:
-    """A graph with edges from `HERE` and to `GOAL`.
-
-    Args:
-        graph: of a map.
-        from_here: RE from here to vertices.
-        to_goals: for each goal image, RE to it from vertices, and from `HERE`.
-        p_here: above which there is an edge from here.
-        p_goal: above which there is an edge to the goal.
-    """
+    """A graph with edges from `HERE` and to `GOAL`; see the exercise."""
     joined = {v: dict(out) for v, out in graph.items()} | {HERE: {}, GOAL: {}}
     for v, p in from_here.items():
         if v in graph and p > p_here:
@@ -58,48 +50,32 @@ def _random_case(seed: int) -> tuple[Any, ...]:
 
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
 _TO = {2: 0.99, 3: 0.5, 4: 0.985, 0: 0.1}
-CASES: dict[str, tuple[Any, ...]] = {
-    "one goal image": (SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
-    "one threshold": (SMALL_MAP, _FROM, [_TO], 0.4, 0.4),
-    "the goal is in sight": (SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6),
-    "three goal images": (
-        SMALL_MAP,
-        _FROM,
-        [{2: 0.7, 3: 0.99}, {2: 0.995, 1: 0.6}, {2: 0.9, 4: 0.5}],
-        0.5,
-        0.55,
+CASES = {
+    "one goal image": case(SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
+    "one threshold": case(SMALL_MAP, _FROM, [_TO], 0.4, 0.4),
+    "the goal is in sight": case(SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6),
+    "three goal images": case(
+        SMALL_MAP, _FROM, [{2: 0.7, 3: 0.99}, {2: 0.995, 1: 0.6}, {2: 0.9, 4: 0.5}], 0.5, 0.55
     ),
-    "a vertex that is not on the map": (
-        SMALL_MAP,
-        {0: 0.9, 7: 0.99},
-        [{2: 0.99, 7: 0.999}],
-        0.5,
-        0.9,
+    "a vertex that is not on the map": case(
+        SMALL_MAP, {0: 0.9, 7: 0.99}, [{2: 0.99, 7: 0.999}], 0.5, 0.9
     ),
-    "the goal is hardly in sight": (SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985),
-    "nothing can be reached": (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9),
-    "p_here above p_goal": (SMALL_MAP, {0: 0.95, 1: 0.8}, [{2: 0.8, 3: 0.6}], 0.9, 0.5),
-    "the first image gives the most": (SMALL_MAP, {0: 0.9}, [{2: 0.99}, {2: 0.7}], 0.5, 0.6),
-    "the goal is in sight of one image of two": (
-        SMALL_MAP,
-        {0: 0.9},
-        [{HERE: 0.95}, {HERE: 0.3, 2: 0.9}],
-        0.5,
-        0.6,
+    "the goal is hardly in sight": case(SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985),
+    "nothing can be reached": case(SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9),
+    "p_here above p_goal": case(SMALL_MAP, {0: 0.95, 1: 0.8}, [{2: 0.8, 3: 0.6}], 0.9, 0.5),
+    "the first image gives the most": case(SMALL_MAP, {0: 0.9}, [{2: 0.99}, {2: 0.7}], 0.5, 0.6),
+    "the goal is in sight of one image of two": case(
+        SMALL_MAP, {0: 0.9}, [{HERE: 0.95}, {HERE: 0.3, 2: 0.9}], 0.5, 0.6
     ),
-    "RE in sight equals p_goal": (SMALL_MAP, {0: 0.9}, [{HERE: 0.9, 1: 0.9}], 0.5, 0.9),
-    "no vertex is seen from here": (SMALL_MAP, {}, [{2: 0.99}], 0.5, 0.9),
-    "no goal image": (SMALL_MAP, {0: 0.9}, [], 0.5, 0.9),
-    "an empty map": ({}, {0: 0.9}, [{HERE: 0.9, 0: 0.9}], 0.5, 0.5),
-    "thresholds of 0": (SMALL_MAP, {0: 0.0, 1: 0.1}, [{2: 0.0, 3: 0.1}], 0.0, 0.0),
-    "RE with many digits": (
-        SMALL_MAP,
-        {0: 0.98765, 1: 0.50004, 3: 0.49996},
-        [{2: 0.98504, 3: 0.98496}],
-        0.5,
-        0.985,
+    "RE in sight equals p_goal": case(SMALL_MAP, {0: 0.9}, [{HERE: 0.9, 1: 0.9}], 0.5, 0.9),
+    "no vertex is seen from here": case(SMALL_MAP, {}, [{2: 0.99}], 0.5, 0.9),
+    "no goal image": case(SMALL_MAP, {0: 0.9}, [], 0.5, 0.9),
+    "an empty map": case({}, {0: 0.9}, [{HERE: 0.9, 0: 0.9}], 0.5, 0.5),
+    "thresholds of 0": case(SMALL_MAP, {0: 0.0, 1: 0.1}, [{2: 0.0, 3: 0.1}], 0.0, 0.0),
+    "RE with many digits": case(
+        SMALL_MAP, {0: 0.98765, 1: 0.50004, 3: 0.49996}, [{2: 0.98504, 3: 0.98496}], 0.5, 0.985
     ),
-    "vertex 0 sees the goal": (SMALL_MAP, {1: 0.9}, [{0: 0.95}], 0.5, 0.9),
+    "vertex 0 sees the goal": case(SMALL_MAP, {1: 0.9}, [{0: 0.95}], 0.5, 0.9),
 } | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(8)}
 MISTAKES = """
 edges lead from HERE to a vertex, and from a vertex to GOAL, not back
@@ -190,23 +166,6 @@ a vertex that is not in the graph must not come back through an edge to it
 """
 
 
-def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa: ANN401
-    """A student's answer, if it is a graph of its own."""
-    none = "there may be no goal image: an empty list has no element, and max() of nothing fails"
-    hints: dict[type[Exception], str] = {IndexError: none, ValueError: none}
-    given: list[Graph] = []
-
-    def noted(graph: Graph, *others: Any) -> Any:  # noqa: ANN401
-        given.append(graph)
-        return student(graph, *others)
-
-    got = untouched(what, noted, *case, hints=hints, names=list(signature(join_ends).parameters))
-    if isinstance(got, dict) and {*map(id, got.values())} & {*map(id, given[0].values())}:
-        words = "copy those of all vertices: who changes the new graph must not change the map"
-        raise WrongAnswer(f"{what}: the new graph shares inner dictionaries with the map; {words}")
-    return got
-
-
 def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students'
     """An answer that is a graph with both ends."""
     if not isinstance(got, dict) or not all(isinstance(out, dict) for out in got.values()):
@@ -237,16 +196,9 @@ def _broken(got: Graph, want: Graph, graph: Graph, *_: Any) -> str:  # noqa: ANN
     return "a new edge holds RE as it is, the greatest of all goal images"
 
 
-def _unlike(
-    got: Graph,
-    want: Graph,
-    graph: Graph,
-    from_here: Mapping[Vertex, float],
-    to_goals: Sequence[Mapping[Vertex, float]],
-    p_here: float,
-    p_goal: float,
-) -> str:
+def _unlike(got: Graph, want: Graph, *case: Any) -> str:  # noqa: ANN401
     """The first edge that is missing, too many or wrong, and why."""
+    graph, from_here, to_goals, p_here, p_goal = case
     names = {HERE: "HERE", GOAL: "GOAL"}
     for vertex in want:
         if vertex not in got:
@@ -275,6 +227,7 @@ def _unlike(
     return f"vertices {extra} are not on the map, and are no vertices of the new graph"
 
 
+_NONE = "there may be no goal image: an empty list has no element, and max() of nothing fails"
 check_join_ends = exercise(
     join_ends,
     CASES,
@@ -282,7 +235,12 @@ check_join_ends = exercise(
     module=__name__,
     about="One goal image and several, thresholds, a goal in sight, vertices that are not there.",
     example=case(random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9),
-    invoke=_invoke,
+    invoke=partial(
+        untouched,
+        names=["graph", "from_here", "to_goals", "p_here", "p_goal"],
+        hints={IndexError: _NONE, ValueError: _NONE},
+        copies=True,
+    ),
     form=_graph,
     difference=_unlike,
     broken=_broken,

@@ -25,13 +25,7 @@ Found = tuple[list[Vertex], float]
 
 
 def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Found:
-    """The most probable path over a graph, and its probability; [] and 0 where there is none.
-
-    Args:
-        graph: for each vertex, those that an edge leads to, with RE.
-        start: a vertex.
-        goal: a vertex.
-    """
+    """The most probable path over a graph, and its probability; [] and 0 where there is none."""
     count, heap, done = 0, [(0.0, 0, start)], set()
     least, before = {start: 0.0}, {start: start}
     while heap:
@@ -68,35 +62,31 @@ _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
 _LATE: Graph = {0: {1: 0.5, 2: 0.95}, 1: {4: 0.99}, 2: {3: 0.95, 4: 0.6}, 3: {1: 0.95}, 4: {}}
 _LITTLE: Graph = {0: {1: 0.9, 2: 0.9}, 1: {3: 0.9}, 2: {3: 0.900003}, 3: {}}
-CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
-    "the graph above": (BY_HAND, "here", "goal"),
-    "a chain": (_LINE, 0, 3),
-    "edges that are sure": (_SURE, 0, 3),
-    "a better path found late": (_LATE, 0, 4),
-    "30 vertices": (random_graph(30, 3, 1), 0, 29),
-    "60 vertices": (random_graph(60, 4, 2), 5, 17),
-    "40 vertices": (random_graph(40, 6, 8), 3, 30),
-    "start and goal are one": (_LINE, 2, 2),
-    "an edge in the opposite direction only": (_LINE, 3, 0),
-    "one step": ({0: {1: 0.25}, 1: {}}, 0, 1),
-    "a vertex without edges": ({0: {}, 1: {0: 0.9}}, 0, 1),
-    "start and goal are one, on a cycle": (_SURE, 1, 1),
-    "back to the start is surer": ({0: {1: 0.5}, 1: {0: 1.0, 2: 0.5}, 2: {}}, 0, 2),
-    "very doubtful edges": ({0: {1: 1e-5, 2: 1e-9}, 1: {2: 1e-3}, 2: {}}, 0, 2),
-    "a chain whose vertices stand in reverse order": (
-        {12: {}} | {v: {v + 1: 0.95} for v in range(11, -1, -1)},
-        0,
-        12,
+CASES = {
+    "the graph above": case(BY_HAND, "here", "goal"),
+    "a chain": case(_LINE, 0, 3),
+    "edges that are sure": case(_SURE, 0, 3),
+    "a better path found late": case(_LATE, 0, 4),
+    "30 vertices": case(random_graph(30, 3, 1), 0, 29),
+    "60 vertices": case(random_graph(60, 4, 2), 5, 17),
+    "40 vertices": case(random_graph(40, 6, 8), 3, 30),
+    "start and goal are one": case(_LINE, 2, 2),
+    "an edge in the opposite direction only": case(_LINE, 3, 0),
+    "one step": case({0: {1: 0.25}, 1: {}}, 0, 1),
+    "a vertex without edges": case({0: {}, 1: {0: 0.9}}, 0, 1),
+    "start and goal are one, on a cycle": case(_SURE, 1, 1),
+    "back to the start is surer": case({0: {1: 0.5}, 1: {0: 1.0, 2: 0.5}, 2: {}}, 0, 2),
+    "very doubtful edges": case({0: {1: 1e-5, 2: 1e-9}, 1: {2: 1e-3}, 2: {}}, 0, 2),
+    "a chain whose vertices stand in reverse order": case(
+        {12: {}} | {v: {v + 1: 0.95} for v in range(11, -1, -1)}, 0, 12
     ),
-    "two paths that differ by little": (_LITTLE, 0, 3),
-    "two paths that differ by little, the better one first": (
-        {0: {1: 0.9, 2: 0.9}, 1: {3: 0.900003}, 2: {3: 0.9}, 3: {}},
-        0,
-        3,
+    "two paths that differ by little": case(_LITTLE, 0, 3),
+    "two paths that differ by little, the better one first": case(
+        {0: {1: 0.9, 2: 0.9}, 1: {3: 0.900003}, 2: {3: 0.9}, 3: {}}, 0, 3
     ),
-    "a long chain": ({v: {v + 1: 0.99} for v in range(60)} | {60: {}}, 0, 60),
+    "a long chain": case({v: {v + 1: 0.99} for v in range(60)} | {60: {}}, 0, 60),
 } | {
-    f"a graph drawn at random ({seed})": (random_graph(8 + seed, 2, 20 + seed), 0, 7 + seed)
+    f"a graph drawn at random ({seed})": case(random_graph(8 + seed, 2, 20 + seed), 0, 7 + seed)
     for seed in range(6)
 }
 MISTAKES = """
@@ -241,9 +231,7 @@ def probability_of(graph: Graph, path: list[Vertex]) -> float:
     return math.prod(graph[v][w] for v, w in pairwise(path))
 
 
-@lru_cache(maxsize=64)
-def _graph(path: tuple[Vertex, ...]) -> NDArray[np.uint8]:
-    return graph_picture(BY_HAND, path)
+_graph = lru_cache(maxsize=64)(partial(graph_picture, BY_HAND))
 
 
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:

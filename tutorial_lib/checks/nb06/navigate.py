@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import cycle
+from types import SimpleNamespace
 from typing import Any
 
 from tutorial_lib.checks.engine import case, exercise
@@ -28,15 +30,7 @@ def navigate(
     limits: Limits,
     decide: Callable[..., Decision] = decide,
 ) -> Navigated:
-    """Plan, follow, search and replan, step by step.
-
-    Args:
-        robot: with `look`, `turn`, `follow` and `active`, as a `ScriptedRobot`.
-        graph: of the map.
-        rules: of `decide`.
-        limits: of the navigation.
-        decide: plans.
-    """
+    """Plan, follow, search and replan, step by step; `robot` is like a `ScriptedRobot`."""
     path, searched, lost = [], 0, 0
     plans, excluded = list[Decision](), set[Vertex]()
     for _ in range(limits.steps):
@@ -202,24 +196,14 @@ def _invoke(what: str, student: Callable[..., Any], story: Story) -> Any:  # noq
     return explaining(what, partial(_play, student, story), hints)
 
 
-class _Example:
-    """A robot that arrives after a second."""
-
-    active = 1
-
-    def __init__(self) -> None:
-        self._steps = 0
-
-    def look(self) -> tuple[dict[int, float], list[dict[int, float]]]:
-        return {0: 0.9}, [{5: 0.99}]
-
-    def turn(self) -> None: ...
-
-    def follow(self, path: list[Vertex]) -> str:
-        self._steps += 1
-        return "going" if self._steps % 10 else "arrived"
-
-
+_STATES = cycle(["going"] * 9 + ["arrived"])
+_EXAMPLE = SimpleNamespace(
+    active=1,
+    look=lambda: ({0: 0.9}, [{5: 0.99}]),
+    turn=lambda: None,
+    follow=lambda path: next(_STATES),
+)
+"""A robot that arrives after ten steps."""
 _LINE: Graph = {v: {v + 1: 0.99} for v in range(5)} | {5: {}}
 
 
@@ -295,8 +279,9 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
         longer = len(got[3]) > len(want[3])
         more, rest = ("goes on", got[3]) if longer else (f"ends with {got[0]!r}", want[3])
         least = min(len(got[3]), len(want[3]))
-        when = f"after {number_of(least, 'call')}"
-        return f"{when} yours {more}, with {rest[least][0]} to come; {_end(want)}"
+        mine, right = (f"after {number_of(count, 'call')}" for count in (least, len(want[3])))
+        end = f"the right end is {want[0]!r}, {right}"
+        return f"{mine} yours {more}, with {rest[least][0]} to come; {end}"
     if got[0] != want[0]:
         return f"the ending is {want[0]!r}, not {got[0]!r}"
     if got[2] != want[2]:
@@ -325,17 +310,13 @@ _DUE = {
 """Whether the call before was follow, and the right call: why it is due."""
 
 
-def _end(want: tuple[Any, ...]) -> str:
-    return f"the right end is {want[0]!r}, after {number_of(len(want[3]), 'call')}"
-
-
 check_navigate = exercise(
     navigate,
     {name: case(story) for name, story in STORIES.items()},
     MISTAKES,
     module=__name__,
     about="Robots that arrive, search, refuse, are lost here and there, and run out of time.",
-    example=case(_Example(), _LINE, DijkstraPlanner(), Limits()),
+    example=case(_EXAMPLE, _LINE, DijkstraPlanner(), Limits()),
     calls=10,
     endless="navigate: your function has not ended after {seconds:g} seconds. Count the steps in "
     "one place: each round of the loop is one step, and there are limits.steps at most",

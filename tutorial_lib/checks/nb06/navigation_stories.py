@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -122,10 +122,9 @@ _GOES: Drive = (4, "arrived", 0)
 _STUCK: Drive = (1, "going", 0)
 
 
-def _told(looks: list[Ends], drives: list[Drive], **limits: int) -> Story:
-    """A story on the usual map."""
-    own = {name: getattr(_LIMITS, name) for name in ("replans", "interval", "search", "steps")}
-    return Story(_MAP, looks, drives, _RULES, Limits(**(own | limits)))
+def _told(looks: list[Ends], drives: list[Drive], graph: Graph = _MAP, **limits: int) -> Story:
+    """A story with the usual rules, and limits of which some may be others."""
+    return Story(graph, looks, drives, _RULES, replace(_LIMITS, **limits))
 
 
 _LANES: Graph = {}
@@ -191,8 +190,7 @@ STORIES: dict[str, Story] = {
     "nothing in sight for ever, a last look": _told([_NOTHING], [_GOES], interval=5, search=10),
     "lost, then nothing in sight": _told([_SEEN, _NOTHING], [(2, "lost", 3), _GOES]),
     "lost, nothing in sight, then it arrives": _told(
-        [_NOTHING, _NOTHING, _SEEN, _NOTHING, _NOTHING, _NOTHING, _SEEN],
-        [(2, "lost", 3), _GOES],
+        [_NOTHING, _NOTHING, _SEEN, _NOTHING, _NOTHING, _NOTHING, _SEEN], [(2, "lost", 3), _GOES]
     ),
     "the goal itself cannot be reached": _told([_SEEN], [(5, "lost", 99), _GOES]),
     "lost in different places": _told([_SEEN, _BY_5, _SEEN], [(2, "lost", 3), (1, "lost", 1)]),
@@ -216,19 +214,17 @@ STORIES: dict[str, Story] = {
     "lost at one vertex, then at another": _told(
         [_SEEN], [(2, "lost", 3), (2, "lost", 3)], replans=1
     ),
-    "lost beside vertices that have others beside them": Story(
-        _MAP | {6: {2: 0.995, 3: 0.99, 7: 0.9}, 7: {6: 0.9, 3: 0.9}},
+    "lost beside vertices that have others beside them": _told(
         [_SEEN],
         [(2, "lost", 3), _GOES],
-        _RULES,
-        _LIMITS,
+        _MAP | {6: {2: 0.995, 3: 0.99, 7: 0.9}, 7: {6: 0.9, 3: 0.9}},
     ),
     "the goal again and again, then it arrives": _told(
         [_SEEN], [(2, "lost", 99), (3, "lost", 99), (1, "lost", 99), _GOES]
     ),
     "lost at vertex 0": _told([_SEEN, _BY_5], [(2, "lost", 1), _GOES]),
-    "an empty map, the goal in sight": Story(
-        {}, [({}, [{HERE: 0.99}])], [(2, "lost", 1), _GOES], _RULES, _LIMITS
+    "an empty map, the goal in sight": _told(
+        [({}, [{HERE: 0.99}])], [(2, "lost", 1), _GOES], graph={}
     ),
     "lost three times, each time with an improbable path": _lost_in_lanes("sfff", [2, 3, 1]),
     "lost four times, then nothing in sight": _lost_in_lanes("ssnsnsn", [2, 3, 1, 2]),

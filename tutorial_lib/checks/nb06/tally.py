@@ -43,11 +43,7 @@ def with_false_edge(graph: Graph, poses: Array, probability: float) -> Graph:
 
 
 def tally(trips: Sequence[Trip]) -> Tally:
-    """How often each edge was tried, and how often it was passed.
-
-    Args:
-        trips: each a path, and the place of it that could not be reached; None on arrival.
-    """
+    """How often each edge was tried, and how often it was passed."""
     counts: Tally = {}
     for path, stopped in trips:
         last = len(path) if stopped is None else stopped
@@ -180,16 +176,12 @@ def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - student
         if not isinstance(numbers, tuple) or len(numbers) != 2:
             words = "give a tuple of two, (tried, passed)"
             raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; {words}")
-        both = [number(what, n, f"for edge {edge}") for n in map(_plain, numbers)]
+        plain = [int(n) if isinstance(n, bool) else n for n in numbers]
+        both = [number(what, n, f"for edge {edge}") for n in plain]
         if any(n != round(n) for n in both):
             raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; count, in whole numbers")
         counts[edge] = (int(both[0]), int(both[1]))
     return counts
-
-
-def _plain(count: object) -> object:
-    """True and False count as 1 and 0."""
-    return int(count) if isinstance(count, bool) else count
 
 
 check_tally = exercise(

@@ -22,13 +22,7 @@ Drive = Callable[[list[Vertex]], int | None]
 
 
 def travel(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
-    """Plan, drive, and replan when lost; whether the goal was reached, and what is excluded.
-
-    Args:
-        plan: plans around excluded vertices.
-        drive: drives along a path.
-        replans: how often to replan.
-    """
+    """Plan, drive, and replan when lost; whether the goal was reached, and what is excluded."""
     excluded = set[Vertex]()
     for _ in range(replans + 1):
         path = plan(set(excluded))
@@ -189,10 +183,6 @@ def _play(
     return travels(story.plan, story.drive, replans), story.log
 
 
-def _invoke(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, list[Any]]:  # noqa: ANN401
-    return explaining(what, partial(_play, student, *case), _HINTS, _SAID)
-
-
 def _ending(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
     """The outcome of a navigation in the right form, and the log of calls."""
     words = "return whether it arrived, and the set of what is excluded"
@@ -264,7 +254,9 @@ check_travel = exercise(
     about="Navigations: to the goal at once, after being lost, refused, and in vain.",
     example=case(lambda excluded: [HERE, 1, GOAL], lambda path: None, 3),
     run=_play,
-    invoke=_invoke,
+    invoke=lambda what, student, *case: explaining(
+        what, partial(_play, student, *case), _HINTS, _SAID
+    ),
     form=_ending,
     difference=_differ,
     broken=_broken,

@@ -27,6 +27,7 @@ def untouched(
     *arguments: Any,  # noqa: ANN401
     names: Sequence[str],
     hints: Mapping[type[Exception], str] | None = None,
+    copies: bool = False,
 ) -> Any:  # noqa: ANN401
     """A student's answer, if the arguments are as they were.
 
@@ -36,6 +37,7 @@ def untouched(
         arguments: copies of these are given.
         names: of the arguments.
         hints: for kinds of errors, what to say of them in this exercise.
+        copies: whether a graph comes back that must share nothing with the first argument.
 
     Raises:
         WrongAnswer: when one was changed, an error was raised, or nothing came back.
@@ -49,7 +51,14 @@ def untouched(
         words = "the copy shares its inner dictionaries with the map; copy those, too"
         words = words if inner else "it is needed again; make a new one"
         raise WrongAnswer(f"{what}: your function changes its argument {name}; {words}")
+    if copies and isinstance(got, dict) and not _ids(got).isdisjoint(_ids(given[0])):
+        words = "copy those of all vertices: who changes the new graph must not change the map"
+        raise WrongAnswer(f"{what}: the new graph shares inner dictionaries with the map; {words}")
     return returned(what, got)
+
+
+def _ids(graph: Mapping[Any, Any]) -> set[int]:
+    return {id(out) for out in graph.values()}
 
 
 def explaining(

@@ -5,15 +5,15 @@ from __future__ import annotations
 import copy
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import groupby
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import parts, returned
+from tutorial_lib.checks.framework.answers import calling, parts, returned
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.explanation import explained
 
 Graph = dict[int, dict[int, float]]
 """RE of the edge from v to w: graph[v][w]."""
@@ -122,18 +122,15 @@ the graph that you return has the same RE as before; bias the edges to visited v
 """
 
 
+_HINTS: dict[type[Exception], str] = {
+    KeyError: "a dictionary has no such key; a Counter returns 0 for what it has not seen",
+    ValueError: "max() of nothing needs default=0: there may be no visit; bias may be 0",
+}
+
+
 def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa: ANN401
     given = copy.deepcopy(case)
-    try:
-        got = student(*given)
-    except (WrongAnswer, NotImplementedError):
-        raise
-    except Exception as error:
-        hints: dict[type[Exception], str] = {
-            KeyError: "a dictionary has no such key; a Counter returns 0 for what it has not seen",
-            ValueError: "max() of nothing needs default=0: there may be no visit; bias may be 0",
-        }
-        raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
+    got = calling(_HINTS)(what, partial(student, *given))
     if given != case:
         words = "make a new one, with new inner dictionaries"
         if given[0] == case[0]:
@@ -177,10 +174,6 @@ def _vertices(mine: Graph, graph: Graph) -> str:
     return f"lacks {names}{bare}; keep all vertices, also as empty dictionaries"
 
 
-def _same(got: tuple[bool, Graph], want: tuple[bool, Graph], *_: object) -> bool:
-    return got[0] == want[0] and _difference(got[1], want[1]) is None
-
-
 def _difference(mine: Graph, right: Graph) -> tuple[int, int] | None:
     """The first edge that differs."""
     for v, out in right.items():
@@ -203,15 +196,9 @@ def _broken(got: tuple[bool, Graph], want: tuple[bool, Graph], graph: Graph, *_:
     return "each edge to a vertex of n visits has RE * bias ** (n - 1), wherever it begins"
 
 
-def _why(
-    got: tuple[bool, Graph],
-    want: tuple[bool, Graph],
-    graph: Graph,
-    visited: list[int],
-    cycle: int,
-    *_: object,
-) -> str:
+def _why(got: tuple[bool, Graph], want: tuple[bool, Graph], *case: Any) -> str:  # noqa: ANN401
     """What is wrong."""
+    _, visited, cycle, _ = case
     if got[0] != want[0]:
         words = "it is a cycle" if want[0] else "it is no cycle"
         return f"after {visited} with cycle = {cycle} {words}; yours says {got[0]}"
@@ -229,7 +216,7 @@ check_around_cycles = exercise(
     example=case(_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5),
     invoke=_invoke,
     form=_formed,
-    same=_same,
+    same=lambda got, want, *_: got[0] == want[0] and _difference(got[1], want[1]) is None,
     difference=_why,
     broken=_broken,
 )

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import calling, numbers
@@ -22,10 +23,14 @@ def predict(belief: Array, motion: Array, lengths: Array, onward: Array) -> Arra
     return belief * (1.0 - leave) + arrives
 
 
+def _moved(motion: ArrayLike, vertices: int, seed: int) -> tuple[Array, ...]:
+    """Robots that moved by `motion` (N,) on a map drawn at random."""
+    motion = np.asarray(motion)
+    return random_beliefs(len(motion), vertices, seed), motion, *random_model(vertices, seed)
+
+
 def _case(robots: int, vertices: int, seed: int, most: float) -> tuple[Array, ...]:
-    rng = np.random.default_rng(seed)
-    motion = rng.uniform(0.0, most, robots)
-    return random_beliefs(robots, vertices, seed), motion, *random_model(vertices, seed)
+    return _moved(np.random.default_rng(seed).uniform(0.0, most, robots), vertices, seed)
 
 
 CASES = {
@@ -36,25 +41,13 @@ CASES = {
         np.eye(3)[[1, 2, 0]],
     ),
     "three robots, each with its own motion": _case(3, 4, 1, 1.0),
-    "one robot moves, two stand still": (
-        random_beliefs(3, 4, 7),
-        np.array([0.0, 0.7, 0.0]),
-        *random_model(4, 7),
-    ),
+    "one robot moves, two stand still": _moved([0.0, 0.7, 0.0], 4, 7),
     "robots that moved far": _case(3, 5, 2, 9.0),
-    "a robot that did not move": (random_beliefs(1, 4, 3), np.zeros(1), *random_model(4, 3)),
+    "a robot that did not move": _moved([0.0], 4, 3),
     "one vertex": _case(2, 1, 4, 2.0),
     "many vertices": _case(4, 12, 5, 1.0),
-    "motions of a few centimetres and less": (
-        random_beliefs(3, 4, 8),
-        np.array([0.03, 0.004, 0.012]),
-        *random_model(4, 8),
-    ),
-    "motions of a millimetre and less": (
-        random_beliefs(3, 4, 9),
-        np.array([0.001, 0.0003, 0.0001]),
-        *random_model(4, 9),
-    ),
+    "motions of a few centimetres and less": _moved([0.03, 0.004, 0.012], 4, 8),
+    "motions of a millimetre and less": _moved([0.001, 0.0003, 0.0001], 4, 9),
 }
 MISTAKES = """
 off the map is a state like the others: it has a length and a row of onward, and a share of it

@@ -171,18 +171,7 @@ def track(
     onward: Array,
     rules: FilterSettings,
 ) -> tuple[Array, list[int]]:
-    """Localize one robot at each step of a drive; see the exercise.
-
-    Args:
-        odometry: (T, 3) poses as the wheels measure them.
-        look: returns the likelihoods (V,) of what is seen at a step.
-        lengths: (V + 1,) of the motion model.
-        onward: (V + 1, V + 1) of the motion model.
-        rules: settings of the filter.
-
-    Returns:
-        Beliefs (T, V + 1), and the vertex at each step, -1 off the map.
-    """
+    """Beliefs (T, V + 1) of a robot, and its vertex, at each step of a drive; see the exercise."""
     count = len(lengths)
     belief = prior = np.full((1, count), 1.0 / count)
     last, waited, vertex = odometry[0], rules.interval, -1
@@ -261,11 +250,9 @@ off the map is the last state: append rules.unknown behind the vertices, not bef
     np.append(seen, rules.unknown) -> np.append(rules.unknown, seen)
 first no likelihood below rules.least, then the power; yours has it the other way round
     look(step), -> look(step) ** rules.sharpness,
-    np.append(seen, rules.unknown) ** rules.sharpness
-        -> np.append(seen, rules.unknown**rules.sharpness)
+    (seen, rules.unknown) ** rules.sharpness -> (seen, rules.unknown**rules.sharpness)
 all likelihoods to the power of rules.sharpness, that of being off the map as well
-    np.append(seen, rules.unknown) ** rules.sharpness
-        -> np.append(seen**rules.sharpness, rules.unknown)
+    (seen, rules.unknown) ** rules.sharpness -> (seen**rules.sharpness, rules.unknown)
 the likelihoods to the power of rules.sharpness
     ** rules.sharpness -> ** 1
 return the beliefs, after the look, not the priors
@@ -314,12 +301,11 @@ def _play(tracks: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
     return got, drive.log
 
 
+_MOTION = "predict takes the motion as an array of one, np.array([metres])"
 _SAID = {
-    "invalid index to scalar": "is a number where an array is needed? predict takes the motion as "
-    "an array of one, np.array([metres])",
-    "is not subscriptable": "is a number where an array is needed? predict takes the motion as an "
-    "array of one, np.array([metres])",
-    "array is 0-dimensional": "predict takes the motion as an array of one, np.array([metres])",
+    "invalid index to scalar": f"is a number where an array is needed? {_MOTION}",
+    "is not subscriptable": f"is a number where an array is needed? {_MOTION}",
+    "array is 0-dimensional": _MOTION,
     "truth value of an array": "an array stands where one number is needed. Is the vertex always a "
     "number? It is -1 off the map and at first; belief[0, None] is a whole array",
     "NoneType": "is something None? The vertex is always a number, -1 off the map and at first",

@@ -45,10 +45,8 @@ that is the probability that the edge does not exist; return the other
 """
 
 
-def _broken_belief(
-    got: float, want: float, prior: float, succeeds: float, deceives: float, success: bool
-) -> str:
-    del succeeds, deceives
+def _broken_belief(got: float, want: float, *case: float) -> str:
+    prior, _, _, success = case
     if not 0 <= got <= 1:
         return "a probability lies between 0 and 1"
     if prior in (0.0, 1.0):

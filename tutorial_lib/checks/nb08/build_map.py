@@ -11,6 +11,7 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 
 Edge = tuple[int, int]
+Case = tuple[NDArray[np.bool_], Array, list[int], float, float]
 
 
 def build_map(
@@ -36,22 +37,28 @@ def build_map(
     return vertices, edges
 
 
-def _line(places: list[float]) -> tuple[NDArray[np.bool_], Array]:
+def _line(places: list[float], order: list[int]) -> Case:
     """Images along a line, each of which reaches those ahead of it, and one a little behind."""
     ahead = np.subtract.outer(places, places).T
     lengths = np.round(np.abs(ahead), 6)
-    return (ahead > -0.3) & (lengths < 9.0) & ~np.eye(len(places), dtype=bool), lengths
+    reachable = (ahead > -0.3) & (lengths < 9.0) & ~np.eye(len(places), dtype=bool)
+    return reachable, lengths, order, 0.5, 1.5
 
 
-def _three(reach: dict[Edge, float], others: dict[Edge, float]) -> tuple[NDArray[np.bool_], Array]:
+def _three(reach: dict[Edge, float], others: dict[Edge, float]) -> Case:
     """Three images: lengths of the pairs that are reachable, and of some that are not."""
     reachable, lengths = np.zeros((3, 3), bool), np.full((3, 3), 2.0)
     for pair, metres in (reach | others).items():
         reachable[pair], lengths[pair] = pair in reach, metres
-    return reachable, lengths
+    return reachable, lengths, [0, 1, 2], 0.5, 1.5
 
 
-def _random(seed: int) -> tuple[NDArray[np.bool_], Array, list[int], float, float]:
+def _two(reachable: list[list[int]], lengths: list[list[float]]) -> Case:
+    """Two images, as a table of either kind has it."""
+    return np.array(reachable, bool), np.array(lengths), [0, 1], 0.5, 1.5
+
+
+def _random(seed: int) -> Case:
     rng = np.random.default_rng([seed, 8])
     count = int(rng.integers(6, 14))
     places = rng.uniform(0.0, 5.0, (count, 2))
@@ -62,54 +69,32 @@ def _random(seed: int) -> tuple[NDArray[np.bool_], Array, list[int], float, floa
 
 
 CASES = {
-    "three images in a row": case(*_line([0.0, 1.0, 2.0]), [0, 1, 2], 0.5, 1.5),
-    "one too close to the first": case(*_line([0.0, 0.2, 1.0]), [0, 1, 2], 0.5, 1.5),
-    "one that is too far until another is there": case(
-        *_line([0.0, 1.0, 2.0, 3.0]), [0, 3, 2, 1], 0.5, 1.5
+    "three images in a row": _line([0.0, 1.0, 2.0], [0, 1, 2]),
+    "one too close to the first": _line([0.0, 0.2, 1.0], [0, 1, 2]),
+    "one that is too far until another is there": _line([0.0, 1.0, 2.0, 3.0], [0, 3, 2, 1]),
+    "one that nothing reaches": _line([0.0, 1.0, 8.0], [0, 2, 1]),
+    "lengths of exactly D_m and D_c": _line([0.0, 0.5, 2.0, 3.0, 4.5], [0, 1, 2, 3, 4]),
+    "close, but not reachable": _two([[0, 0], [0, 0]], [[0.0, 0.1], [0.1, 0.0]]),
+    "close, and reachable only the other way": _two([[0, 0], [1, 0]], [[0.0, 1.0], [0.2, 0.0]]),
+    "close to one that it cannot reach, and joined to another": _three(
+        {(0, 1): 1.0, (1, 2): 1.0}, {(0, 2): 0.1, (2, 0): 0.1}
     ),
-    "one that nothing reaches": case(*_line([0.0, 1.0, 8.0]), [0, 2, 1], 0.5, 1.5),
-    "lengths of exactly D_m and D_c": case(
-        *_line([0.0, 0.5, 2.0, 3.0, 4.5]), [0, 1, 2, 3, 4], 0.5, 1.5
+    "close, seen from the new image only": _three(
+        {(0, 1): 1.0, (1, 2): 1.0, (2, 0): 0.2}, {(0, 2): 1.2}
     ),
-    "close, but not reachable": case(
-        np.zeros((2, 2), bool), np.array([[0.0, 0.1], [0.1, 0.0]]), [0, 1], 0.5, 1.5
-    ),
-    "close, and reachable only the other way": case(
-        np.array([[False, False], [True, False]]),
-        np.array([[0.0, 1.0], [0.2, 0.0]]),
-        [0, 1],
-        0.5,
-        1.5,
-    ),
-    "close to one that it cannot reach, and joined to another": case(
-        *_three({(0, 1): 1.0, (1, 2): 1.0}, {(0, 2): 0.1, (2, 0): 0.1}), [0, 1, 2], 0.5, 1.5
-    ),
-    "close, seen from the new image only": case(
-        *_three({(0, 1): 1.0, (1, 2): 1.0, (2, 0): 0.2}, {(0, 2): 1.2}), [0, 1, 2], 0.5, 1.5
-    ),
-    "close, seen from the vertex only": case(
-        *_three({(0, 1): 1.0, (2, 1): 1.0, (0, 2): 0.2}, {(2, 0): 1.2}), [0, 1, 2], 0.5, 1.5
+    "close, seen from the vertex only": _three(
+        {(0, 1): 1.0, (2, 1): 1.0, (0, 2): 0.2}, {(2, 0): 1.2}
     ),
     "edges both ways": case(
         ~np.eye(3, dtype=bool), np.where(np.eye(3), 0.0, 1.0), [2, 0, 1], 0.5, 1.5
     ),
-    "longer one way than the other": case(
-        ~np.eye(2, dtype=bool), np.array([[0.0, 1.0], [2.0, 0.0]]), [0, 1], 0.5, 1.5
+    "longer one way than the other": _two([[0, 1], [1, 0]], [[0.0, 1.0], [2.0, 0.0]]),
+    "close one way, and reachable only the other": _two([[0, 1], [0, 0]], [[0.0, 1.0], [0.2, 0.0]]),
+    "a row that begins at its far end": _line(
+        [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0, 6, 5, 4, 3, 2, 1]
     ),
-    "close one way, and reachable only the other": case(
-        np.array([[False, True], [False, False]]),
-        np.array([[0.0, 1.0], [0.2, 0.0]]),
-        [0, 1],
-        0.5,
-        1.5,
-    ),
-    "a row that begins at its far end": case(
-        *_line([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), [0, 6, 5, 4, 3, 2, 1], 0.5, 1.5
-    ),
-    "vertices of which two are exactly D_c apart": case(
-        *_line([0.0, 0.75, 1.5]), [0, 1, 2], 0.5, 1.5
-    ),
-    "another first image": case(*_line([0.0, 1.0, 2.0, 3.0]), [2, 0, 1, 3], 0.5, 1.5),
+    "vertices of which two are exactly D_c apart": _line([0.0, 0.75, 1.5], [0, 1, 2]),
+    "another first image": _line([0.0, 1.0, 2.0, 3.0], [2, 0, 1, 3]),
     "one image alone": case(np.zeros((1, 1), bool), np.zeros((1, 1)), [0], 0.5, 1.5),
     **{f"at random ({seed})": _random(seed) for seed in range(6)},
 }
@@ -169,14 +154,9 @@ def _difference(got: tuple, want: tuple, *_: object) -> str:
         return f"the vertices {got[0]} came back, but {want[0]} is right"
     extra = sorted(set(got[1]) - set(want[1]))
     missing = sorted(set(want[1]) - set(got[1]))
-    if not extra and not missing:
-        return "an edge is there twice"
-    words = [
-        f"{edges[0]} {verb}"
-        for edges, verb in ((extra, "is too many"), (missing, "is missing"))
-        if edges
-    ]
-    return f"of the edges {' and '.join(words)}"
+    words = [f"{extra[0]} is too many"] if extra else []
+    words += [f"{missing[0]} is missing"] if missing else []
+    return f"of the edges {' and '.join(words)}" if words else "an edge is there twice"
 
 
 def _broken(got: tuple, want: tuple, *_: object) -> str:

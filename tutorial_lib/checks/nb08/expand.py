@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import networkx as nx
 
-from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import calling, returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 
@@ -27,48 +26,30 @@ def expand(
     return []
 
 
-def _chain(*vertices: int) -> list[Edge]:
-    return list(pairwise(vertices))
+_TWO = nx.DiGraph([(0, 1), (1, 2), (3, 4), (4, 5)])
 
 
-def _graph(*chains: list[Edge]) -> nx.DiGraph:
-    graph = nx.DiGraph()
-    for chain in chains:
-        graph.add_edges_from(chain)
-    return graph
+def _case(joins: dict[int, list[Edge]]) -> tuple[Any, ...]:
+    """Images that are unused, in this order, and the edges of each, between two parts of a map."""
+    return _TWO, list(joins), joins, 0, 5
 
 
-_TWO = _graph(_chain(0, 1, 2), _chain(3, 4, 5))
 CASES = {
-    "one image joins two parts": case(_TWO, [10], {10: [(2, 10), (10, 3)]}, 0, 5),
-    "one that does not help comes first": case(
-        _TWO, [10, 11], {10: [(1, 10), (10, 0)], 11: [(2, 11), (11, 3)]}, 0, 5
+    "one image joins two parts": _case({10: [(2, 10), (10, 3)]}),
+    "one that does not help comes first": _case({10: [(1, 10), (10, 0)], 11: [(2, 11), (11, 3)]}),
+    "two images in a row": _case({10: [(2, 10)], 11: [(10, 11), (11, 4)]}),
+    "the second begins the path": _case(
+        {10: [(10, 3)], 11: [(1, 11), (11, 1)], 12: [(2, 12), (12, 10)]}
     ),
-    "two images in a row": case(_TWO, [10, 11], {10: [(2, 10)], 11: [(10, 11), (11, 4)]}, 0, 5),
-    "the second begins the path": case(
-        _TWO, [10, 11, 12], {10: [(10, 3)], 11: [(1, 11), (11, 1)], 12: [(2, 12), (12, 10)]}, 0, 5
+    "images after the first path are not tried": _case(
+        {10: [(2, 10)], 11: [(10, 11), (11, 3)], 12: [(0, 12), (12, 5)]}
     ),
-    "images after the first path are not tried": case(
-        _TWO,
-        [10, 11, 12],
-        {10: [(2, 10)], 11: [(10, 11), (11, 3)], 12: [(0, 12), (12, 5)]},
-        0,
-        5,
-    ),
-    "no image helps": case(_TWO, [10, 11], {10: [(10, 3)], 11: [(11, 0), (2, 11)]}, 0, 5),
-    "edges that lead the wrong way": case(
-        _TWO, [10, 11], {10: [(3, 10), (10, 2)], 11: [(2, 11), (11, 5)]}, 0, 5
-    ),
-    "nothing is unused": case(_TWO, [], {}, 0, 5),
-    "fewer edges, but more images": case(
-        _TWO, [10, 12], {10: [(0, 10)], 12: [(10, 12), (2, 12), (12, 3)]}, 0, 5
-    ),
-    "a shorter path over what was tried before": case(
-        _TWO,
-        [10, 11, 12],
-        {10: [(0, 10)], 11: [(2, 11)], 12: [(11, 12), (10, 12), (12, 3)]},
-        0,
-        5,
+    "no image helps": _case({10: [(10, 3)], 11: [(11, 0), (2, 11)]}),
+    "edges that lead the wrong way": _case({10: [(3, 10), (10, 2)], 11: [(2, 11), (11, 5)]}),
+    "nothing is unused": _case({}),
+    "fewer edges, but more images": _case({10: [(0, 10)], 12: [(10, 12), (2, 12), (12, 3)]}),
+    "a shorter path over what was tried before": _case(
+        {10: [(0, 10)], 11: [(2, 11)], 12: [(11, 12), (10, 12), (12, 3)]}
     ),
 }
 MISTAKES = """
@@ -100,10 +81,6 @@ def _formed(what: str, got: Any, *_: object) -> list[int]:  # noqa: ANN401 - wha
         raise WrongAnswer(f"{what}: return a list of images") from error
 
 
-def _same(got: list[int], want: list[int], *_: Any) -> bool:  # noqa: ANN401
-    return sorted(got) == sorted(want)
-
-
 def _broken(got: list[int], want: list[int], *_: Any) -> str:  # noqa: ANN401
     if got and not want:
         return "where no path can be found, nothing is kept"
@@ -118,7 +95,7 @@ check_expand = exercise(
     MISTAKES,
     module=__name__,
     about="Two parts of a map, and images that join them, or do not.",
-    example=case(_TWO, [10, 11], {10: [(2, 10)], 11: [(10, 11), (11, 4)]}, 0, 5),
+    example=CASES["two images in a row"],
     calls=20,
     invoke=calling(
         {
@@ -127,7 +104,7 @@ check_expand = exercise(
         }
     ),
     form=_formed,
-    same=_same,
+    same=lambda got, want, *_: sorted(got) == sorted(want),
     difference=lambda got, want, *_: f"{got} is kept, but {want} is right",
     broken=_broken,
 )

@@ -106,10 +106,9 @@ def run(
         answer = "empty"
     left = {(int(a), int(b)): float(p) for a, b, p in graph.edges(data="probability")}
     metres = {(int(a), int(b)): m for a, b, m in graph.edges(data="length", default=math.nan)}
-    kept = lengths.keys() & metres.keys()
     changed = {
         e: metres[e]
-        for e in sorted(kept)
+        for e in sorted(lengths.keys() & metres.keys())
         if not (isinstance(metres[e], Real) and abs(metres[e] - lengths[e]) < 1e-6)
     }
     return answer, driven, left, changed
@@ -135,15 +134,7 @@ CASES = {
     "an edge of exactly R_p": case(_BOTH, [(0, 3), (0, 2)], {(2, 3): {0}}, _ONCE),
     "a high R_p, and successes": case(_BOTH, [(0, 3), (0, 2)], {}, 0.995),
     "back along an edge whose other direction failed": case(
-        {
-            (0, 1): 1.0,
-            (1, 0): 1.0,
-            (1, 4): 1.0,
-            (0, 2): 1.0,
-            (2, 1): 1.0,
-            (0, 3): 5.0,
-            (3, 4): 5.0,
-        },
+        {(0, 1): 1.0, (1, 0): 1.0, (1, 4): 1.0, (0, 2): 1.0, (2, 1): 1.0, (0, 3): 5.0, (3, 4): 5.0},
         [(0, 4)],
         {(0, 1): {0}, (1, 4): {0}},
     ),
@@ -210,13 +201,10 @@ def _difference(got: tuple, want: tuple, *_: object) -> str:
             return f"drive {number} leads along {mine[0]}, but {right[0]} is right"
     if len(got[1]) != len(want[1]):
         return f"{len(got[1])} edges are driven, but {len(want[1])} is right"
-    if got[2].keys() != want[2].keys():
-        more = sorted(got[2].keys() - want[2].keys())
-        return (
-            f"{more[0]} is left"
-            if more
-            else (f"{sorted(want[2].keys() - got[2].keys())[0]} is gone")
-        )
+    if more := sorted(got[2].keys() - want[2].keys()):
+        return f"{more[0]} is left"
+    if gone := sorted(want[2].keys() - got[2].keys()):
+        return f"{gone[0]} is gone"
     if got[0] != want[0]:
         return f"{got[0]} came back, but {want[0]} is right"
     if got[3]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -154,10 +156,9 @@ def _formed(what: str, got: object, *_: object) -> Ghosts:
     return {(int(node), int(direction)) for node, direction in got}
 
 
-def _broken(
-    got: Ghosts, want: Ghosts, ghosts: Ghosts, node: int, explorable: NDArray[np.bool_], *_: object
-) -> str:
+def _broken(got: Ghosts, want: Ghosts, *case: Any) -> str:  # noqa: ANN401
     """Which part of the rule the first wrong ghost breaks."""
+    ghosts, node, explorable, _ = case
     if more := sorted(got - want):
         viewer, direction = more[0]
         if (viewer, direction) in ghosts:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
+from functools import partial
 from inspect import signature
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import returned
+from tutorial_lib.checks.framework.answers import calling, returned
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.explanation import explained
 
 
 def keeping(
@@ -25,17 +25,11 @@ def keeping(
         words: what to do instead of changing one.
         hints: what to say of kinds of errors in this exercise.
     """
-    names = list(signature(right).parameters)
+    names, call = list(signature(right).parameters), calling(hints)
 
     def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         given = copy.deepcopy(arguments)
-        try:
-            with np.errstate(all="ignore"):
-                got = student(*given)
-        except (WrongAnswer, NotImplementedError):
-            raise
-        except Exception as error:
-            raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
+        got = call(what, partial(student, *given))
         for name, old, new in zip(names, arguments, given, strict=False):
             if _plain(old) != _plain(new):
                 raise WrongAnswer(f"{what}: your function changes its argument {name}; {words}")

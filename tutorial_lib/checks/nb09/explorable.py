@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import calling, mask
 from tutorial_lib.checks.nb09.small_maps import CELL, path_lengths, small_map
 from tutorial_lib.viz.figures.directions import map_picture
 from tutorial_lib.viz.figures.panels import side_by_side
 
+Mask = NDArray[np.bool_]
 _DIRECTIONS = 12
 _DETOUR = 1.05
 
 
-def explorable(free: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
+def explorable(free: Mask, radius: float) -> Mask:
     """Whether each direction (12,) of a local map leads to explorable area; see the exercise."""
     lengths, middle = path_lengths(free), len(free) // 2
     bearings = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
@@ -25,7 +26,7 @@ def explorable(free: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
     return lengths[rows, columns] <= _DETOUR * radius
 
 
-def _random(seed: int, radius: float) -> tuple[NDArray[np.bool_], float]:
+def _random(seed: int, radius: float) -> tuple[Mask, float]:
     """Walls at random, none of them at the robot."""
     rng = np.random.default_rng([seed, 9])
     walls = []
@@ -37,21 +38,24 @@ def _random(seed: int, radius: float) -> tuple[NDArray[np.bool_], float]:
     return small_map(*walls, radius=radius), radius
 
 
+def _walled(*walls: tuple[float, float, float, float]) -> tuple[Mask, float]:
+    """A map that is free but for walls, and a radius of 3 m."""
+    return small_map(*walls), 3.0
+
+
 _ROOM = ((2.0, -3.5, 2.2, -0.5), (2.0, 0.6, 2.2, 3.5), (-3.5, 2.2, 3.5, 2.4), (-1.2, -3, -1, 1))
 CASES = {
-    "a room with a door ahead": (small_map(*_ROOM), 3.0),
-    "nothing in the way": (small_map(), 3.0),
-    "walls all around": (
-        small_map((-1, -1, 1, -0.8), (-1, 0.8, 1, 1), (-1, -1, -0.8, 1), (0.8, -1, 1, 1)),
-        3.0,
+    "a room with a door ahead": _walled(*_ROOM),
+    "nothing in the way": _walled(),
+    "walls all around": _walled(
+        (-1, -1, 1, -0.8), (-1, 0.8, 1, 1), (-1, -1, -0.8, 1), (0.8, -1, 1, 1)
     ),
-    "a wall on the left": (small_map((-3.5, 1.0, 3.5, 1.2)), 3.0),
-    "a wall behind, and one on the right": (
-        small_map((-1.2, -1.5, -1.0, 1.5), (-0.4, -1.4, 2.0, -1.2)),
-        3.0,
+    "a wall on the left": _walled((-3.5, 1.0, 3.5, 1.2)),
+    "a wall behind, and one on the right": _walled(
+        (-1.2, -1.5, -1.0, 1.5), (-0.4, -1.4, 2.0, -1.2)
     ),
-    "a pillar to go around": (small_map((1.5, -0.3, 1.7, 0.3), (-1.7, -0.9, -1.5, 0.9)), 3.0),
-    "points that lie in walls": (small_map((2.7, -1.0, 3.2, 1.0), (-0.4, 2.8, 0.4, 3.2)), 3.0),
+    "a pillar to go around": _walled((1.5, -0.3, 1.7, 0.3), (-1.7, -0.9, -1.5, 0.9)),
+    "points that lie in walls": _walled((2.7, -1.0, 3.2, 1.0), (-0.4, 2.8, 0.4, 3.2)),
     "two metres": (small_map((0.8, -1.5, 1.0, 0.5), radius=2.0), 2.0),
     "two metres on a large map": (small_map((2.5, -3.0, 2.7, 3.0), (-1, -3, -0.8, 0.5)), 2.0),
     **{f"a radius between two cells ({seed})": _random(seed, 2.36) for seed in range(8)},
@@ -113,15 +117,13 @@ take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded d
 """
 
 
-def _draw(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
+def _draw(want: Mask, got: Mask) -> NDArray[np.uint8]:
     free, radius = next(iter(CASES.values()))
     pictures = [map_picture(free, chosen, radius / CELL) for chosen in (want, got)]
     return side_by_side(pictures, ["expected", "yours"])
 
 
-def _why(
-    got: NDArray[np.bool_], want: NDArray[np.bool_], free: NDArray[np.bool_], radius: float
-) -> str:
+def _why(got: Mask, want: Mask, free: Mask, radius: float) -> str:
     """Which direction is wrong, and how long the path to its point is."""
     first = int((got != want).argmax())
     row, column = _cell(free, radius, first)
@@ -132,16 +134,14 @@ def _why(
     )
 
 
-def _cell(free: NDArray[np.bool_], radius: float, direction: int) -> tuple[int, int]:
+def _cell(free: Mask, radius: float, direction: int) -> tuple[int, int]:
     """Row and column of a direction's point."""
     bearing, middle = direction * 2 * np.pi / _DIRECTIONS, len(free) // 2
     ahead, left = (round(radius * part(bearing) / CELL) for part in (np.cos, np.sin))
     return middle + left, middle + ahead
 
 
-def _broken(
-    got: NDArray[np.bool_], want: NDArray[np.bool_], free: NDArray[np.bool_], radius: float
-) -> str:
+def _broken(got: Mask, want: Mask, free: Mask, radius: float) -> str:
     """Which part of the rule is broken in the first wrong direction."""
     length = path_lengths(free)[_cell(free, radius, int((got != want).argmax()))]
     where = "is it the right cell? Row: middle + radius * sine / CELL, column: cosine, rounded"
@@ -159,7 +159,7 @@ check_explorable = exercise(
     MISTAKES,
     module=__name__,
     about="Open places, walls, doors, detours, and another radius.",
-    example=case(small_map(*_ROOM), 3.0),
+    example=_walled(*_ROOM),
     calls=300,
     invoke=calling(
         {IndexError: f"an index is a whole number: np.rint(...).astype(int), and {_FAR}"}

@@ -79,11 +79,9 @@ to_goal() returns False where something was mistaken for the goal; then go on ex
 the last step counts as well: go on while robot.steps is above 0
     robot.steps > 0 -> robot.steps > 1
 the score alone chooses the ghost, as in the paper: no weight for global_policy
-    global_policy(graph, here, ghosts, scores)
-        -> global_policy(graph, here, ghosts, scores, weight=1.0)
+    here, ghosts, scores) -> here, ghosts, scores, weight=1.0)
 the score alone chooses the ghost, as in the paper: call global_policy without a weight
-    global_policy(graph, here, ghosts, scores)
-        -> global_policy(graph, here, ghosts, scores, weight=0.3)
+    here, ghosts, scores) -> here, ghosts, scores, weight=0.3)
 the loop ends when robot.steps is 0
     robot.steps > 0 -> True
 a ghost that was reached becomes a node even where F_L still has the robot in the old one
@@ -181,10 +179,6 @@ def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
     return bool(reached), sorted(graph.nodes), edges, set(ghosts), got[1]
 
 
-def _same(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> bool:
-    return got == want
-
-
 def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
     """Which part of the rule is broken where it first goes another way."""
     for mine, right in zip(got[4], want[4], strict=False):
@@ -251,7 +245,7 @@ check_explore = exercise(
     run=_play,
     invoke=_invoke,
     form=_formed,
-    same=_same,
+    same=lambda got, want, *_: got == want,
     difference=_why,
     broken=_broken,
 )

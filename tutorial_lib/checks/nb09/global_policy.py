@@ -7,7 +7,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb09.calls import keeping
@@ -51,10 +51,22 @@ def _graph(*edges: tuple[int, int, float]) -> nx.Graph:
     return graph
 
 
+def _case(
+    graph: nx.Graph,
+    here: int,
+    ghosts: set[Ghost],
+    scores: dict[Ghost, float] | None = None,
+    goal: int | None = None,
+    weight: float = 0.0,
+) -> tuple[Any, ...]:
+    """A case with all that the rule takes, some of the scores other than usual."""
+    return graph, here, ghosts, _SCORES | (scores or {}), goal, weight
+
+
 def _costs(
     graph: nx.Graph, here: int, scores: dict[Ghost, float], weight: float = 1.0
 ) -> tuple[Any, ...]:
-    """A case in which all scores are those of ghosts, and travelling costs."""
+    """A case in which all scores are those of ghosts; travelling costs, unless `weight` is 0."""
     return graph, here, set(scores), scores, None, weight
 
 
@@ -78,46 +90,22 @@ _SCORES = {
     (v, k): round(0.3 + 0.01 * ((7 * v + 5 * k) % 23), 2) for v in range(4) for k in range(12)
 }
 CASES = {
-    "one node": (_graph(), 0, {(0, 1), (0, 2)}, {(0, 1): 0.6, (0, 2): 0.8, (0, 3): 0.9}, None, 0.0),
-    "ghosts along a row": (_ROW, 3, {(0, 4), (3, 1)}, _SCORES | {(0, 4): 0.9}, None, 0.0),
-    "the best ghost is that of the robot's node": (
-        _ROW,
-        2,
-        {(2, 5), (0, 1)},
-        _SCORES | {(2, 5): 0.8},
-        None,
-        0.0,
+    "one node": case(
+        _graph(), 0, {(0, 1), (0, 2)}, {(0, 1): 0.6, (0, 2): 0.8, (0, 3): 0.9}, None, 0.0
     ),
-    "the best score is that of no ghost": (
-        _ROW,
-        1,
-        {(0, 0), (3, 3)},
-        _SCORES | {(2, 2): 0.99},
-        None,
-        0.0,
+    "ghosts along a row": _case(_ROW, 3, {(0, 4), (3, 1)}, {(0, 4): 0.9}),
+    "the best ghost is that of the robot's node": _case(_ROW, 2, {(2, 5), (0, 1)}, {(2, 5): 0.8}),
+    "the best score is that of no ghost": _case(_ROW, 1, {(0, 0), (3, 3)}, {(2, 2): 0.99}),
+    "a long edge, and three short ones": _case(_ROUND, 0, {(3, 0)}),
+    "the goal is in another node": _case(_ROW, 0, {(0, 4)}, goal=3),
+    "the goal is at the end of a long edge, and of three short ones": _case(
+        _ROUND, 0, {(1, 2)}, goal=3
     ),
-    "a long edge, and three short ones": (_ROUND, 0, {(3, 0)}, _SCORES, None, 0.0),
-    "the goal is in another node": (_ROW, 0, {(0, 4)}, _SCORES, 3, 0.0),
-    "the goal is at the end of a long edge, and of three short ones": (
-        _ROUND,
-        0,
-        {(1, 2)},
-        _SCORES,
-        3,
-        0.0,
-    ),
-    "scores of 0 and below": (
-        _ROW,
-        1,
-        {(0, 1), (3, 1)},
-        {(0, 1): -0.4, (3, 1): -0.2},
-        None,
-        0.0,
-    ),
-    "the goal is in node 0": (_ROW, 2, {(3, 4)}, _SCORES, 0, 0.0),
-    "the goal is in the robot's node": (_ROW, 2, {(0, 4)}, _SCORES, 2, 0.0),
-    "no ghost is left": (_ROW, 1, set(), _SCORES, None, 0.0),
-    "no ghost is left, but the goal is localised": (_ROW, 3, set(), _SCORES, 0, 0.0),
+    "scores of 0 and below": _costs(_ROW, 1, {(0, 1): -0.4, (3, 1): -0.2}, 0.0),
+    "the goal is in node 0": _case(_ROW, 2, {(3, 4)}, goal=0),
+    "the goal is in the robot's node": _case(_ROW, 2, {(0, 4)}, goal=2),
+    "no ghost is left": _case(_ROW, 1, set()),
+    "no ghost is left, but the goal is localised": _case(_ROW, 3, set(), goal=0),
     "travelling costs": _costs(_ROW, 0, {(0, 1): 0.7, (3, 1): 0.9}),
     "travelling costs too little to matter": _costs(_ROW, 0, {(0, 1): 0.7, (3, 1): 0.9}, 0.2),
     "travelling costs a little more than the better score gains": _costs(
@@ -144,7 +132,9 @@ CASES = {
     ),
     "travelling costs half as much": _costs(_ROW, 0, {(0, 1): 0.5, (3, 1): 0.7}, 0.5),
     "travelling costs twice as much": _costs(_ROW, 0, {(0, 1): 0.1, (3, 1): 0.9}, 2.0),
-    "the goal over short edges, and travelling costs": (_ROUND, 0, {(1, 2)}, _SCORES, 3, 1.0),
+    "the goal over short edges, and travelling costs": _case(
+        _ROUND, 0, {(1, 2)}, goal=3, weight=1.0
+    ),
     "the ghost over short edges, and travelling costs": _costs(_ROUND, 0, {(3, 1): 0.9}),
     "a fraction of a metre decides, and it would be rounded away": _costs(
         _graph((0, 1, 3.4), (0, 2, 2.6)), 0, {(1, 1): 0.72, (2, 1): 0.70}
@@ -198,8 +188,7 @@ the cost of travelling is taken away from the score; yours adds it
 the distance in metres is divided by 20, as in the score itself
     / _FAR -> / 1.0
 a ghost costs the metres of the path to its node, not its edges: weight='metres' there, too
-    nx.single_source_dijkstra_path_length(graph, here, weight="metres")
-        -> nx.single_source_shortest_path_length(graph, here)
+    dijkstra_path_length(graph, here, weight="metres") -> shortest_path_length(graph, here)
 the metres to a ghost are those from `here`, not from node 0
     path_length(graph, here -> path_length(graph, 0
 a ghost costs the metres of the shortest path in metres, not those of the one of the fewest edges
@@ -236,17 +225,9 @@ def _formed(what: str, got: object, graph: nx.Graph, *_: object) -> Choice:
     return int(node), ghost
 
 
-def _broken(
-    got: Choice,
-    want: Choice,
-    graph: nx.Graph,
-    here: int,
-    ghosts: set[Ghost],
-    scores: dict[Ghost, float],
-    goal: int | None,
-    weight: float,
-) -> str:
+def _broken(got: Choice, want: Choice, *case: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
+    _, _, ghosts, _, goal, weight = case
     if goal is not None:
         return "with a goal the path leads to its node, and no ghost is at its end"
     if not ghosts:

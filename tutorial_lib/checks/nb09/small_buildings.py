@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -62,101 +63,58 @@ def _grid(rows: list[str]) -> Array:
 
 
 _ROW = _grid(["abcd"])
-_CROSS = _grid([".b..", "cade", ".f.."])
-_ROOMS = _grid(["cb.gh", ".adef", ".i..j"])
-_ROOM_LINKS = ((0, 1), (1, 2), (0, 3), (3, 4), (4, 5), (4, 6), (6, 7), (0, 8), (5, 9))
+_row = partial(Building, _ROW, ((0, 1), (1, 2), (2, 3)))
+_cross = partial(
+    Building, _grid([".b..", "cade", ".f.."]), ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4))
+)
+_rooms = partial(
+    Building,
+    _grid(["cb.gh", ".adef", ".i..j"]),
+    ((0, 1), (1, 2), (0, 3), (3, 4), (4, 5), (4, 6), (6, 7), (0, 8), (5, 9)),
+)
 _LOOP = _grid(["abc", "h.d", "gfe"])
 _SPUR = _grid(["abci", "h.d.", "gfe."])
 _AROUND = tuple((v, (v + 1) % 8) for v in range(8))
 
 BUILDINGS: dict[str, Building] = {
     "the goal is seen at once": Building(_ROW, ((0, 1),), 1, (0, 1)),
-    "along a corridor": Building(_ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3)),
-    "a crossing with dead ends": Building(
-        _CROSS,
-        ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)),
-        4,
-        (4,),
-        misleading={(0, 1): 0.3, (0, 2): 0.2},
-    ),
-    "rooms, the wrong ones first": Building(
-        _ROOMS,
-        _ROOM_LINKS,
-        7,
-        (6, 7),
-        misleading={(0, 1): 0.4, (0, 8): 0.35, (1, 2): 0.5, (4, 5): 0.2},
+    "along a corridor": _row(3, (2, 3)),
+    "a crossing with dead ends": _cross(4, (4,), misleading={(0, 1): 0.3, (0, 2): 0.2}),
+    "rooms, the wrong ones first": _rooms(
+        7, (6, 7), misleading={(0, 1): 0.4, (0, 8): 0.35, (1, 2): 0.5, (4, 5): 0.2}
     ),
     "a loop": Building(_LOOP, _AROUND, 4, (4,), misleading={(0, 7): 0.1, (6, 5): -0.5}),
     "a loop that closes": Building(
         _SPUR, (*_AROUND, (2, 8)), 8, (8,), misleading={(0, 7): 0.1, (2, 8): -0.6, (2, 1): 0.05}
     ),
-    "something is mistaken for the goal": Building(
-        _ROOMS, _ROOM_LINKS, 7, (7,), deceptive=(0, 4), misleading={(0, 8): 0.3}
+    "something is mistaken for the goal": _rooms(
+        7, (7,), deceptive=(0, 4), misleading={(0, 8): 0.3}
     ),
-    "a ghost that cannot be reached": Building(
-        _CROSS,
-        ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)),
-        4,
-        (4,),
-        blocked=((0, 1), (0, 5)),
-        misleading={(0, 1): 0.3, (0, 5): 0.25},
+    "a ghost that cannot be reached": _cross(
+        4, (4,), blocked=((0, 1), (0, 5)), misleading={(0, 1): 0.3, (0, 5): 0.25}
     ),
-    "a ghost that is near its node": Building(
-        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), short=(1, 2)
+    "a ghost that is near its node": _row(3, (3,), short=(1, 2)),
+    "a drive to a node that ends in none": _rooms(
+        7, (6, 7), astray={(1, 0): 3}, misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3}
     ),
-    "a drive to a node that ends in none": Building(
-        _ROOMS,
-        _ROOM_LINKS,
-        7,
-        (6, 7),
-        astray={(1, 0): 3},
-        misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3},
+    "a drive to a node that ends where the goal is seen": _rooms(
+        7, (3, 6, 7), astray={(1, 0): 3}, misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3}
     ),
-    "a drive to a node that ends where the goal is seen": Building(
-        _ROOMS,
-        _ROOM_LINKS,
-        7,
-        (3, 6, 7),
-        astray={(1, 0): 3},
-        misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3},
+    "the goal is seen where a ghost was near its node": _row(3, (2, 3), short=(1, 2)),
+    "something is mistaken for the goal where a ghost was near its node": _row(
+        3, (3,), deceptive=(1,), short=(1, 2)
     ),
-    "the goal is seen where a ghost was near its node": Building(
-        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3), short=(1, 2)
+    "a place that looks like the start": _row(3, (3,), alike=(1, 2)),
+    "the goal is only seen on the way back": _rooms(
+        7, (0, 7), later=(0,), misleading={(0, 1): 0.4, (1, 2): 0.5}
     ),
-    "something is mistaken for the goal where a ghost was near its node": Building(
-        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), deceptive=(1,), short=(1, 2)
+    "something is mistaken for the goal on the way back": _rooms(
+        7, (7,), deceptive=(0,), later=(0,), misleading={(0, 1): 0.4, (1, 2): 0.5}
     ),
-    "a place that looks like the start": Building(
-        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), alike=(1, 2)
+    "a ghost far inside that cannot be reached": _rooms(
+        7, (7,), blocked=((3, 4),), misleading={(0, 3): 0.5}
     ),
-    "the goal is only seen on the way back": Building(
-        _ROOMS,
-        _ROOM_LINKS,
-        7,
-        (0, 7),
-        later=(0,),
-        misleading={(0, 1): 0.4, (1, 2): 0.5},
-    ),
-    "something is mistaken for the goal on the way back": Building(
-        _ROOMS,
-        _ROOM_LINKS,
-        7,
-        (7,),
-        deceptive=(0,),
-        later=(0,),
-        misleading={(0, 1): 0.4, (1, 2): 0.5},
-    ),
-    "a ghost far inside that cannot be reached": Building(
-        _ROOMS,
-        _ROOM_LINKS,
-        7,
-        (7,),
-        blocked=((3, 4),),
-        misleading={(0, 3): 0.5},
-    ),
-    "steps that end where the goal is first seen": Building(
-        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3), steps=23
-    ),
+    "steps that end where the goal is first seen": _row(3, (2, 3), steps=23),
     "one step is left where the goal is seen": Building(
         np.array([[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [6.25, 0.0]]),
         ((0, 1), (1, 2), (2, 3)),
@@ -164,8 +122,8 @@ BUILDINGS: dict[str, Building] = {
         (2,),
         steps=25,
     ),
-    "something is mistaken for the goal, and seen again where the robot stands": Building(
-        _ROOMS, _ROOM_LINKS, 7, (7,), persistent=(0, 4), misleading={(0, 8): 0.3}
+    "something is mistaken for the goal, and seen again where the robot stands": _rooms(
+        7, (7,), persistent=(0, 4), misleading={(0, 8): 0.3}
     ),
     "a long corridor": Building(
         np.array([(3.0 * v, 0.0) for v in range(60)]),
@@ -174,7 +132,7 @@ BUILDINGS: dict[str, Building] = {
         (59,),
         steps=1_000,
     ),
-    "too few steps": Building(_ROOMS, _ROOM_LINKS, 7, (7,), steps=40, misleading={(0, 1): 0.4}),
-    "a goal that is nowhere": Building(_CROSS, ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)), 4, ()),
+    "too few steps": _rooms(7, (7,), steps=40, misleading={(0, 1): 0.4}),
+    "a goal that is nowhere": _cross(4, ()),
 }
 """What the loop is tried in."""

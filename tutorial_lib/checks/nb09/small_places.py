@@ -55,10 +55,8 @@ class PlacesRobot:
         self._ask("node")
         if self._arrived_short:
             return self._last
-        if self._place in self._building.alike and self._place not in self._nodes.values():
-            return 0
-        found = [node for node, place in self._nodes.items() if place == self._place]
-        return found[0] if found else None
+        known = self._known(self._place)
+        return 0 if known is None and self._place in self._building.alike else known
 
     def explorable(self) -> NDArray[np.bool_]:
         """F_G (12,)."""
@@ -99,8 +97,7 @@ class PlacesRobot:
             )
         if node != len(self._nodes):
             raise WrongAnswer(f"remember({node}): the next number is {len(self._nodes)}")
-        if self._place in self._nodes.values():
-            known = next(n for n, place in self._nodes.items() if place == self._place)
+        if (known := self._known(self._place)) is not None:
             words = self._why(known)
             raise WrongAnswer(f"remember({node}): the robot is in node {known}; {words}")
         self._nodes[int(node)], self._seen[int(node)] = self._place, self._pose
@@ -140,11 +137,10 @@ class PlacesRobot:
         if (self._place, place) in self._building.blocked:
             self.steps, self._arrived = max(self.steps - 20, 0), False
             return False
-        self._arrived_short = place in self._building.short and place not in self._nodes.values()
-        arrived = self._go(place)
-        self._arrived_short &= arrived
-        self._arrived = arrived
-        return arrived
+        near = place in self._building.short and self._known(place) is None
+        self._arrived = self._go(place)
+        self._arrived_short = near and self._arrived
+        return self._arrived
 
     def to_goal(self) -> bool:
         """Drive to the goal and stop there; False where it was something else."""
@@ -177,6 +173,10 @@ class PlacesRobot:
         """An array that is given away, and must stay as it is."""
         self._given.append((found, found.copy()))
         return found
+
+    def _known(self, place: int) -> int | None:
+        """The node at a place."""
+        return next((node for node, there in self._nodes.items() if there == place), None)
 
     def _sees(self, places: Collection[int]) -> bool:
         """Whether what is seen from these places is seen now."""

@@ -20,6 +20,12 @@ def spl(success: NDArray[np.bool_], shortest: Array, travelled: Array) -> float:
     return float((success * share).mean())
 
 
+def _episodes(*rows: tuple[bool, float, float]) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Whether each episode succeeded, its shortest path, and what was travelled, metres."""
+    success, shortest, travelled = map(np.array, zip(*rows, strict=True))
+    return success, shortest, travelled
+
+
 def _random(seed: int) -> tuple[NDArray[np.bool_], Array, Array]:
     rng = np.random.default_rng([seed, 29])
     count = int(rng.integers(3, 12))
@@ -29,39 +35,19 @@ def _random(seed: int) -> tuple[NDArray[np.bool_], Array, Array]:
 
 
 CASES = {
-    "one episode along the shortest path": (np.array([True]), np.array([4.0]), np.array([4.0])),
-    "one with a detour": (np.array([True]), np.array([4.0]), np.array([5.0])),
-    "two episodes, one of which failed": (
-        np.array([True, False]),
-        np.array([2.0, 8.0]),
-        np.array([4.0, 8.0]),
+    "one episode along the shortest path": _episodes((True, 4.0, 4.0)),
+    "one with a detour": _episodes((True, 4.0, 5.0)),
+    "two episodes, one of which failed": _episodes((True, 2.0, 4.0), (False, 8.0, 8.0)),
+    "one that failed": _episodes((False, 4.0, 4.0)),
+    "a stop within a metre of the goal, before the path's end": _episodes(
+        (True, 5.0, 4.2), (True, 3.0, 6.0)
     ),
-    "one that failed": (np.array([False]), np.array([4.0]), np.array([4.0])),
-    "a stop within a metre of the goal, before the path's end": (
-        np.array([True, True]),
-        np.array([5.0, 3.0]),
-        np.array([4.2, 6.0]),
+    "a robot that hardly moves and fails": _episodes((False, 3.0, 0.01), (True, 2.0, 2.5)),
+    "a robot that does not move and fails": _episodes((False, 3.0, 0.0), (True, 2.0, 2.5)),
+    "a robot that starts at the goal and stops at once": _episodes(
+        (True, 0.4, 0.0), (True, 2.0, 2.5)
     ),
-    "a robot that hardly moves and fails": (
-        np.array([False, True]),
-        np.array([3.0, 2.0]),
-        np.array([0.01, 2.5]),
-    ),
-    "a robot that does not move and fails": (
-        np.array([False, True]),
-        np.array([3.0, 2.0]),
-        np.array([0.0, 2.5]),
-    ),
-    "a robot that starts at the goal and stops at once": (
-        np.array([True, True]),
-        np.array([0.4, 2.0]),
-        np.array([0.0, 2.5]),
-    ),
-    "a short episode and a long one": (
-        np.array([True, True]),
-        np.array([1.5, 10.0]),
-        np.array([6.0, 11.0]),
-    ),
+    "a short episode and a long one": _episodes((True, 1.5, 6.0), (True, 10.0, 11.0)),
     **{f"at random ({seed})": _random(seed) for seed in range(4)},
 }
 MISTAKES = """
@@ -106,10 +92,9 @@ a share between 0 and 1, not percent
 """
 
 
-def _broken(
-    got: float, want: float, success: NDArray[np.bool_], shortest: Array, travelled: Array
-) -> str:
+def _broken(got: float, want: float, *case: Array) -> str:
     """Which part of the rule is broken."""
+    success, shortest, travelled = case
     if abs(got - want) < 1e-3 * want:
         return "nearly right: the metres and their ratios keep all digits"
     if not success.all():

@@ -190,9 +190,8 @@ def _fits(node: NDArray, seen: NDArray, pose: Array) -> tuple[float, float]:
     return fit(node, seen, pose[None])[0], fit(node, seen, pose + aside).max()
 
 
-def _difference(
-    got: bool, want: bool, node: NDArray, seen: NDArray, guess: Array, pose: Array
-) -> str:
+def _difference(got: bool, want: bool, *case: Array) -> str:
+    node, seen, guess, pose = case
     gap = relative(guess, pose)
     here, around = _fits(node, seen, pose)
     return (

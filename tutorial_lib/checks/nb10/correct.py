@@ -30,26 +30,18 @@ def _random(seed: int) -> tuple[Array, Array, Array]:
     return node, pose, compose(drift, compose(node, pose))
 
 
+def _poses(*poses: tuple[float, float, float]) -> tuple[Array, ...]:
+    return tuple(map(np.array, poses))
+
+
 CASES = {
-    "a robot at the node, 1 m off by odometry": (
-        np.array([2.0, 1.0, 0.0]),
-        np.zeros(3),
-        np.array([3.0, 1.0, 0.0]),
+    "a robot at the node, 1 m off by odometry": _poses(
+        (2.0, 1.0, 0.0), (0.0, 0.0, 0.0), (3.0, 1.0, 0.0)
     ),
-    "a robot a metre from the node": (
-        np.array([2.0, 1.0, 0.0]),
-        np.array([1.0, 0.0, 0.0]),
-        np.array([2.5, 1.5, 0.0]),
-    ),
-    "a heading that is off": (
-        np.array([2.0, 1.0, 0.0]),
-        np.array([1.0, 0.0, 0.0]),
-        np.array([3.0, 1.0, np.pi / 2]),
-    ),
-    "a node that looks to the left": (
-        np.array([2.0, 1.0, np.pi / 2]),
-        np.array([1.0, 0.5, -0.5]),
-        np.array([1.0, 2.0, 0.7]),
+    "a robot a metre from the node": _poses((2.0, 1.0, 0.0), (1.0, 0.0, 0.0), (2.5, 1.5, 0.0)),
+    "a heading that is off": _poses((2.0, 1.0, 0.0), (1.0, 0.0, 0.0), (3.0, 1.0, np.pi / 2)),
+    "a node that looks to the left": _poses(
+        (2.0, 1.0, np.pi / 2), (1.0, 0.5, -0.5), (1.0, 2.0, 0.7)
     ),
     "odometry that is right": (
         np.array([1.0, -2.0, 0.4]),
@@ -87,11 +79,9 @@ pose is the robot in the node's frame; yours takes it for the node in the robot'
 a small error of odometry is an error too: correct it
     here = compose(node, pose)
         -> here = compose(node, pose); off = np.abs(compose(inverse(here), odometry)).max()
-    return compose(here, inverse(odometry))
-        -> return compose(here, inverse(odometry)) * (off > 0.0524)
+    inverse(odometry)) -> inverse(odometry)) * (off > 0.0524)
 the heading is in radians
-    return compose(here, inverse(odometry))
-        -> return compose(here, inverse(odometry)) * np.array([1, 1, 180 / np.pi])
+    inverse(odometry)) -> inverse(odometry)) * np.array([1, 1, 180 / np.pi])
 """
 
 
