@@ -7,8 +7,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import Mask, WrongAnswer, exercise, hint, numbers, topics
-from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.checks.engine import (
+    Mask,
+    WrongAnswer,
+    close,
+    exercise,
+    farthest,
+    hint,
+    numbers,
+    topics,
+)
 from tutorial_lib.learning.labels import in_clear_sight
 from tutorial_lib.se2 import Array, arc_length, to_local
 from tutorial_lib.viz.canvas import colours

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import WrongAnswer, exercise, kind
-from tutorial_lib.checks.framework.answers import as_floats, parts
+from tutorial_lib.checks.engine import WrongAnswer, exercise, kind, parts
+from tutorial_lib.checks.framework.answers import as_floats
 from tutorial_lib.checks.nb04.forms import calling, whole
 from tutorial_lib.checks.nb04.observations import RULES
 from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory, Story

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import Mask
+from tutorial_lib.checks.engine import Mask
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
 

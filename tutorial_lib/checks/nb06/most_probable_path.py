@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
 from tutorial_lib.checks.nb06.graphs import BY_HAND, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import explaining, number, vertices
 from tutorial_lib.viz.figures.panels import stacked

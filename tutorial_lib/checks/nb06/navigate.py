@@ -8,9 +8,7 @@ from itertools import cycle
 from types import SimpleNamespace
 from typing import Any
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
 from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex

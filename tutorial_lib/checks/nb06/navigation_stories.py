@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, random_graph
 from tutorial_lib.topology.planner import DijkstraPlanner
 

@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind, times
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind, parts
+from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
 from tutorial_lib.checks.nb06.untouched import explaining
 

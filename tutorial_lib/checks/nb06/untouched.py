@@ -9,10 +9,9 @@ from typing import Any, SupportsFloat
 
 import numpy as np
 
+from tutorial_lib.checks.engine import WrongAnswer, kind
 from tutorial_lib.checks.framework.answers import returned
-from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
-from tutorial_lib.checks.framework.wording import kind
 
 _HINTS: dict[type[Exception], str] = {
     KeyError: "a dictionary has no such key; ask with in, or with .get(key, something)",

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, parts, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, exercise, parts
+from tutorial_lib.checks.framework.answers import returned
 
 Graph = dict[int, dict[int, float]]
 """RE of the edge from v to w: graph[v][w]."""

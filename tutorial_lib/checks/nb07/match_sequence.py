@@ -7,9 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import calling, case, close, exercise, numbers
 from tutorial_lib.checks.nb07.small_differences import farthest, of_rounding
 from tutorial_lib.geometry import Array
 

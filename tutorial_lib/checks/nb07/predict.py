@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import calling, close, exercise, numbers
 from tutorial_lib.checks.nb07.small_differences import both, of_rounding
 from tutorial_lib.checks.nb07.small_models import random_beliefs, random_model
 from tutorial_lib.geometry import Array

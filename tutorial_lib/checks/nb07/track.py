@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import as_floats, parts, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind, parts
+from tutorial_lib.checks.framework.answers import as_floats, returned
 from tutorial_lib.checks.framework.explanation import explained
-from tutorial_lib.checks.framework.wording import kind, number_of
+from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb07.predict import predict
 from tutorial_lib.checks.nb07.small_differences import both, of_rounding
 from tutorial_lib.checks.nb07.small_models import distance

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer
 from tutorial_lib.checks.nb07.small_models import random_model, row_of
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.localization import FilterSettings

@@ -6,9 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import calling, close, exercise, numbers
 from tutorial_lib.checks.nb07.small_differences import farthest, of_rounding
 from tutorial_lib.checks.nb07.small_models import random_beliefs
 from tutorial_lib.geometry import Array

@@ -6,9 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers, parts
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import calling, case, close, exercise, numbers, parts
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.maintenance import bayes, gaussian
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, parts, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, exercise, parts
+from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.geometry import Array
 
 Edge = tuple[int, int]

@@ -6,9 +6,8 @@ from typing import Any
 
 import networkx as nx
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, calling, exercise
+from tutorial_lib.checks.framework.answers import returned
 
 Edge = tuple[int, int]
 

@@ -6,9 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.checks.engine import calling, case, close, exercise, farthest, numbers
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.image_pool import length
 

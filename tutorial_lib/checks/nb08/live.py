@@ -10,9 +10,8 @@ from typing import Any
 import networkx as nx
 
 from tutorial_lib.array_forms import quoted
-from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise
 from tutorial_lib.checks.framework.answers import returned
-from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.topology.maintenance import bayes
 
 Edge = tuple[int, int]

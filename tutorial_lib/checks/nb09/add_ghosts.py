@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.checks.engine import WrongAnswer, exercise, kind
 from tutorial_lib.checks.nb09.calls import keeping
 from tutorial_lib.se2 import Array, inverse
 

@@ -11,8 +11,8 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import calling, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, calling
+from tutorial_lib.checks.framework.answers import returned
 
 
 def keeping(

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, mask
+from tutorial_lib.checks.engine import calling, exercise, mask
 from tutorial_lib.checks.nb09.small_maps import CELL, path_lengths, small_map
 from tutorial_lib.viz.figures.directions import map_picture
 from tutorial_lib.viz.figures.panels import side_by_side

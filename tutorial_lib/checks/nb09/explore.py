@@ -8,11 +8,9 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.engine import case, edited, exercise
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, edited, exercise, kind, parts
 from tutorial_lib.checks.framework.explanation import explained
-from tutorial_lib.checks.framework.wording import kind, times
+from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
 from tutorial_lib.checks.nb09.global_policy import global_policy
 from tutorial_lib.checks.nb09.small_buildings import BUILDINGS, Building

@@ -7,9 +7,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.engine import case, exercise
-from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
 from tutorial_lib.checks.nb09.calls import keeping
 
 Ghost = tuple[int, int]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer
 from tutorial_lib.checks.nb09.small_buildings import Building
 from tutorial_lib.se2 import Array, relative, to_local
 

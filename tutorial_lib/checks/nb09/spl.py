@@ -7,9 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.comparison import close
+from tutorial_lib.checks.engine import calling, close, exercise, numbers
 from tutorial_lib.geometry import Array
 
 

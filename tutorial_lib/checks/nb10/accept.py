@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, returned
-from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.wording import kind
+from tutorial_lib.checks.engine import WrongAnswer, calling, exercise, kind
+from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.nb10.fits import fit
 from tutorial_lib.checks.nb10.match import match
 from tutorial_lib.checks.nb10.small_rooms import scan

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
+from tutorial_lib.checks.engine import calling, exercise, numbers
 from tutorial_lib.geometry import Array
 from tutorial_lib.se2 import compose, inverse, wrap
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import exercise
-from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.engine import WrongAnswer, calling, exercise, numbers
 from tutorial_lib.checks.nb10.fits import fit
 from tutorial_lib.checks.nb10.small_rooms import scan
 from tutorial_lib.geometry import Array
