@@ -49,8 +49,9 @@ def test_a_function_that_never_ends_is_ended(student):
     assert time.monotonic() - begun < 10
 
 
-def test_a_kernel_is_compiled_to_its_end():
-    kernels = {"__name__": "numba.some.module", "time": time, "ends": time.monotonic() + 1.2}
+@pytest.mark.parametrize("package", ["numba", "matplotlib"])
+def test_a_kernel_is_compiled_and_a_package_imported_to_the_end(package):
+    kernels = {"__name__": f"{package}.some.module", "time": time, "ends": time.monotonic() + 1.2}
     exec("def compiled(x):\n    while time.monotonic() < ends: pass\n    return x", kernels)
     compiled = []
 

@@ -23,7 +23,7 @@ RESTING = 0.1
 """Share of the processor's time below which it sleeps; on a crowded machine it gets more."""
 MEMORY = 1.5e9
 """Bytes that a check may take."""
-COMPILERS = ("llvmlite", "numba")
+WAITED_FOR = ("llvmlite", "matplotlib", "numba")
 """Packages that no error may interrupt; the next ring, `_AGAIN` later, finds them done."""
 PRINTED = 5_000
 """Characters that are shown of what a function prints."""
@@ -64,7 +64,7 @@ def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
 
     def ring(number: int, frame: FrameType | None) -> None:
         nonlocal rung
-        if _compiles(frame) or (number == signal.SIGALRM and not (rung or rests())):
+        if _waits(frame) or (number == signal.SIGALRM and not (rung or rests())):
             return
         if rung:  # the function caught the first error: now its next line raises one
             own = [f for f in _under_way(frame) if f.f_code.co_filename == file]
@@ -117,10 +117,13 @@ def _rests() -> Callable[[], bool]:
     return rests
 
 
-def _compiles(frame: FrameType | None) -> bool:
-    """Whether a kernel is compiled or loaded just now: stopped half-way it would end Python."""
+def _waits(frame: FrameType | None) -> bool:
+    """Whether a kernel is compiled, or a package imported, that would be broken if it stopped now.
+
+    Half a kernel ends Python, and with half of matplotlib no later check has a picture.
+    """
     names = (f.f_globals.get("__name__", "") for f in _under_way(frame))
-    return any(name.partition(".")[0] in COMPILERS for name in names)
+    return any(name.partition(".")[0] in WAITED_FOR for name in names)
 
 
 def _under_way(frame: FrameType | None) -> Iterator[FrameType]:

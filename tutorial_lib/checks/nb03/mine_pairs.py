@@ -162,7 +162,7 @@ def _arguments(pool: Pool, roll_out: Callable[[Pairs], Array], seed: int) -> tup
 
 @check(mine_pairs, _arguments(_USUAL, lambda pairs: _USUAL.outcomes[pairs], 0), calls=10)
 def check_mine_pairs(student: Callable[..., Any]) -> None:
-    """Eleven pools: which pairs are kept, rolled out and drawn, with which labels and weights."""
+    """Twelve pools: which pairs are kept, rolled out and drawn, with which labels and weights."""
     for name, pool in POOLS.items():
         what = f"mine_pairs, {name}"
         rollouts, (pairs, labels, weights) = _answer(what, student, pool, 0)
