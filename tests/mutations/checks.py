@@ -124,7 +124,7 @@ MUTATIONS = [
     (
         "the small robot may make a node where one is",
         "checks/nb09/small_places.py",
-        "if self._place in self._nodes.values():",
+        "if (known := self._known(self._place)) is not None:",
         "if False:",
         "checks/test_nb09.py -k wrong_with_a_call",
     ),

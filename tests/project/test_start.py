@@ -553,7 +553,8 @@ def started(child, tmp_path):
     """
     up = tmp_path / "up"
     script = f"""
-import importlib.util, sys
+import importlib.util, signal, sys
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # below nohup it is ignored
 spec = importlib.util.spec_from_file_location("start", {str(FILE)!r})
 start = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(start)
