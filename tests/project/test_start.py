@@ -553,8 +553,7 @@ def started(child, tmp_path):
     """
     up = tmp_path / "up"
     script = f"""
-import importlib.util, signal, sys
-signal.signal(signal.SIGHUP, signal.SIG_DFL)  # below nohup it is ignored
+import importlib.util, sys
 spec = importlib.util.spec_from_file_location("start", {str(FILE)!r})
 start = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(start)
@@ -602,11 +601,21 @@ def test_ctrl_c_is_left_to_the_child(tmp_path, child, code):
     assert "start.py" not in errors  # the child's own traceback at most, none of ours
 
 
+@contextmanager
+def closed_terminal(handled):
+    """SIGHUP is handled so, here and in what is started."""
+    before = signal.signal(signal.SIGHUP, handled)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
 @posix_only
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_a_stopped_start_stops_what_it_started(tmp_path, name):
     number = getattr(signal, name)
-    with started(WAIT, tmp_path) as process:
+    with closed_terminal(signal.SIG_DFL), started(WAIT, tmp_path) as process:
         process.send_signal(number)
         process.communicate(timeout=50)
         assert process.returncode == 128 + number
@@ -617,11 +626,8 @@ def test_a_stopped_start_stops_what_it_started(tmp_path, name):
 
 @posix_only
 def test_what_ignores_a_closed_terminal_goes_on_doing_so(tmp_path):
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
-    try:
-        with started(WAIT, tmp_path) as process:
-            process.send_signal(signal.SIGHUP)
-            with pytest.raises(subprocess.TimeoutExpired):
-                process.wait(timeout=0.5)
-    finally:
-        signal.signal(signal.SIGHUP, before)
+    # As nohup does.
+    with closed_terminal(signal.SIG_IGN), started(WAIT, tmp_path) as process:
+        process.send_signal(signal.SIGHUP)
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(timeout=0.5)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import calling, exercise, mask
+from tutorial_lib.checks.engine import Mask, calling, exercise, mask
 from tutorial_lib.checks.nb09.small_maps import CELL, path_lengths, small_map
 from tutorial_lib.viz.figures.directions import map_picture
 from tutorial_lib.viz.figures.panels import side_by_side
 
-Mask = NDArray[np.bool_]
 _DIRECTIONS = 12
 _DETOUR = 1.05
 
