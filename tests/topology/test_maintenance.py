@@ -227,17 +227,6 @@ def test_no_edge_is_beyond_doubt_and_a_success_makes_none_less_sure():
     assert graph.edges[1, 2]["probability"] == pytest.approx(bayes(CERTAIN, 0.9, 0.05, False))
 
 
-def test_beliefs_are_weights_on_a_map_that_has_weights():
-    graph = chain()
-    graph.edges[1, 2]["weight"] = 0.1
-    upkeep = mending(graph)
-    upkeep.experienced(Traversal((1, 2), "local", False))
-    assert graph.edges[1, 2]["weight"] == pytest.approx(-np.log(graph.edges[1, 2]["probability"]))
-    fail_until_pruned(upkeep, (1, 2))
-    upkeep.bring_back((1, 2))
-    assert graph.edges[1, 2]["weight"] == pytest.approx(-np.log(0.3))
-
-
 def test_a_blocked_way_is_closed_at_once_in_both_directions_and_opens_soon():
     graph = chain()
     upkeep = mending(graph, returns=50, returns_blocked=5)

@@ -281,15 +281,17 @@ def test_a_plan_has_a_probability_of_every_step_or_none(vertices, count, steps):
 def test_a_plan_leads_over_the_map_to_a_goal_or_is_refused():
     topomap, _, goals = line(4)
     for plan in (Plan((0, 1)), Plan((), 0, (0.9,)), Plan(refusal="no path")):
-        assert checked_plan(plan, topomap, goals) is plan
+        assert checked_plan(plan, topomap, goals, {(1, 0), (HERE, 1)}) is plan
     wrong = {
         r"plan: leads to goal image 7, but there are \d+$": Plan((0, 1), 7),
         "plan: leads over 99, which is no vertex of the map": Plan((0, 99)),
         r"planner: .*\(0, 1\)": (0, 1),
+        r"plan: takes edge \(1, 2\), which is excluded; plan around": Plan((0, 1, 2)),
+        rf"plan: takes edge \({HERE}, 3\), which is excluded": Plan((3,)),
     }
     for words, plan in wrong.items():
         with pytest.raises(InputError, match=words):
-            checked_plan(plan, topomap, goals)
+            checked_plan(plan, topomap, goals, {(1, 2), (HERE, 3)})
 
 
 def test_it_fits_the_seam():

@@ -1,4 +1,4 @@
-"""Meng's map, kept up to date as LTVN keeps its own: what fails is believed less."""
+"""Meng's map, kept up to date as LTVN keeps its own: what fails is believed less, and pruned."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from tutorial_lib.agents.navigator import FindPath, MapNavigation, Setback
 from tutorial_lib.interfaces import Experience, Goals, Observation, Plan, Robots
 from tutorial_lib.se2 import Array
 from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules, Traversal
-from tutorial_lib.validation import instance
+from tutorial_lib.topology.maintenance import CERTAIN, Maintenance, MaintenanceRules, Traversal
+from tutorial_lib.topology.mapping.edge_rules import weight
+from tutorial_lib.validation import instance, number
 
 
 @dataclass(kw_only=True)
@@ -24,18 +25,27 @@ class MendingMengAgent(MengAgent):
 
     Attributes:
         maintenance: what changes. Nothing is known of lengths; a map has no unused images.
-        upkeep: of the map.
+        doubt: by how much a path over an edge that failed costs more: this times the fall of the
+            log of the belief in it. At 1 an edge that failed once costs as much as two dozen that
+            RE is sure of, and robots that go round it are late.
+        upkeep: of a copy of the map's graph, whose probabilities are beliefs. The map's own stay
+            RE's, by which plans are refused.
     """
 
     maintenance: MaintenanceRules = field(default_factory=MaintenanceRules)
+    doubt: float = 0.2
 
     def __post_init__(self) -> None:
         instance("maintenance", self.maintenance, MaintenanceRules)
+        number("doubt", self.doubt, least=0.0)
         super().__post_init__()
         self._keep_up()
 
     def _keep_up(self) -> None:
-        self.upkeep = Maintenance(self.topomap.graph, self.maintenance, price=1.0, noise=1.0)
+        graph = self.topomap.graph
+        for *_, edge in graph.edges(data=True):
+            edge["weight"] = float(weight(edge["probability"]))
+        self.upkeep = Maintenance(graph.copy(), self.maintenance, price=1.0, noise=1.0)
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """See `MengAgent`; upkeep begins anew."""
@@ -45,7 +55,7 @@ class MendingMengAgent(MengAgent):
     def start(self, goals: Sequence[Goals]) -> MendingNavigation:
         """Send robots to one goal each; all mend the same map."""
         parts = self.find_path, self.make_follower(), self.targets()
-        return MendingNavigation(*parts, goals, self.replan_time, self.upkeep)
+        return MendingNavigation(*parts, goals, self.replan_time, self.upkeep, self.doubt)
 
 
 class MendingNavigation(MapNavigation):
@@ -63,10 +73,11 @@ class MendingNavigation(MapNavigation):
         goals: Sequence[Goals],
         replan_time: float,
         upkeep: Maintenance,
+        doubt: float,
     ) -> None:
-        """See `MapNavigation`; nobody has driven yet."""
+        """See `MapNavigation` and `MendingMengAgent`; nobody has driven yet."""
         super().__init__(find_path, make_follower, targets, goals, replan_time)
-        self._upkeep = upkeep
+        self._upkeep, self._doubt = upkeep, doubt
         self.traversals: list[Traversal] = []
         # Of each robot its plan, its place on it, and how many of its edges it has passed.
         count = len(self.plans)
@@ -82,6 +93,22 @@ class MendingNavigation(MapNavigation):
         for robot in robots:
             self._follow(int(robot))
         return actions
+
+    def _path(self, observation: Observation, robot: int) -> Plan:
+        """A path over edges that are not pruned; or over those that failed, where no other is left.
+
+        Those on it return: to try one again beats giving up.
+        """
+        excluded, goal = self._excluded(observation, robot), self._goals[robot]
+        pruned, blocked = set(self._upkeep.pruned), self._upkeep.blocked
+        plan = self._find_path(observation, goal, excluded | pruned)
+        if plan.probability > 0 or pruned == blocked:
+            return plan
+        plan = self._find_path(observation, goal, excluded | blocked)
+        for edge in pruned.intersection(pairwise(plan.vertices)):
+            self._upkeep.bring_back(edge)
+            self._weigh(edge)
+        return plan
 
     def _follow(self, robot: int) -> None:
         """Note the edges that a robot has passed since the last step."""
@@ -109,3 +136,12 @@ class MendingNavigation(MapNavigation):
     def _learn(self, traversal: Traversal) -> None:
         self.traversals.append(traversal)
         self._upkeep.experienced(traversal)
+        self._weigh(traversal.edge)
+
+    def _weigh(self, edge: tuple[int, int]) -> None:
+        """Let an edge cost what the belief in it says, unless it is pruned now."""
+        if self._upkeep.graph.has_edge(*edge):
+            belief = self._upkeep.graph.edges[edge]["probability"]
+            known = self._topomap.graph.edges[edge]
+            fall = max(float(np.log(min(known["probability"], CERTAIN) / belief)), 0.0)
+            known["weight"] = float(weight(known["probability"])) + self._doubt * fall

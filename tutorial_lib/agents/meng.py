@@ -72,9 +72,10 @@ class MengAgent(MapAgent):
         """The planner's path.
 
         Raises:
-            InputError: when it is no path over vertices of the map to one of the goal's images.
+            InputError: when it is no path over vertices of the map to one of the goal's images, or
+                takes an excluded edge.
         """
         instance("observation", observation, Observation)
         instance("goals", goals, Goals)
         plan = self.planner.plan(observation, goals, self.topomap, excluded)
-        return checked_plan(plan, self.topomap, goals)
+        return checked_plan(plan, self.topomap, goals, excluded)

@@ -322,7 +322,7 @@ class Maintenance:
             return
         again = dict(pruned.attributes)
         if not pruned.blocked:
-            again |= _belief(again, min(self.rules.prune + 0.1, CERTAIN))
+            again["probability"] = min(self.rules.prune + 0.1, CERTAIN)
         before = dict(self.graph.edges[edge]) if self.graph.has_edge(*edge) else None
         self.graph.add_edge(*edge, **again)
         self.events.append(Event(self.query, "returned", edge, before, again))
@@ -344,7 +344,6 @@ class Maintenance:
 
     def _change(self, kind: str, edge: Edge, changed: dict[str, Any]) -> None:
         before = dict(self.graph.edges[edge])
-        changed |= _belief(before, changed["probability"])
         self.graph.edges[edge].update(changed)
         self.events.append(Event(self.query, kind, edge, before, dict(self.graph.edges[edge])))
 
@@ -362,12 +361,6 @@ def undone(graph: nx.DiGraph, events: list[Event]) -> nx.DiGraph:
                 graph.edges[event.edge].clear()
             graph.add_edge(*event.edge, **event.before)
     return graph
-
-
-def _belief(edge: dict[str, Any], probability: float) -> dict[str, float]:
-    """The attributes of an edge that depend on a belief; on Meng's map its weight does, too."""
-    weights = {"weight": float(-np.log(probability))} if "weight" in edge else {}
-    return {"probability": probability, **weights}
 
 
 def _doubted(probability: float, success: bool) -> float:

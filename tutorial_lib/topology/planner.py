@@ -12,7 +12,7 @@ import numpy as np
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import HERE, Goals, Localizer, Observation, Plan
+from tutorial_lib.interfaces import HERE, Edges, Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -126,10 +126,10 @@ class DijkstraPlanner:
         return near, topomap.vertices.into(observation, np.zeros_like(near), near)
 
 
-def checked_plan(plan: Plan, topomap: TopoMap, goals: Goals) -> Plan:
+def checked_plan(plan: Plan, topomap: TopoMap, goals: Goals, excluded: Edges) -> Plan:
     """A planner's plan, if it leads over vertices of the map to one of the goal's images.
 
-    Between them it may take edges that the map does not have.
+    Between them it may take edges that the map does not have, but none that are `excluded`.
 
     Raises:
         InputError: when it does not, or is no plan.
@@ -140,6 +140,9 @@ def checked_plan(plan: Plan, topomap: TopoMap, goals: Goals) -> Plan:
     for vertex in vertices:
         if vertex not in topomap.graph:
             raise InputError(f"plan: leads over {vertex}, which is no vertex of the map")
+    for edge in pairwise((HERE, *vertices)):
+        if edge in excluded:
+            raise InputError(f"plan: takes edge {edge}, which is excluded; plan around such edges")
     return plan
 
 

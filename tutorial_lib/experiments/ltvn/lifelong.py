@@ -37,6 +37,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     experiences,
     measured,
     navigate,
+    vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
@@ -191,10 +192,10 @@ def _in_fleets(building: Building, trials: Trials, settings: Settings, *, mends:
         some = trials.subset(np.arange(first, min(first + settings.fleet, len(trials))))
         if isinstance(agent, MendingMengAgent):
             agent.upkeep.begin(first)
-        result = measured(building, some, agent)
-        success.append(result.outcome.success.astype(float))
+        success.append(measured(building, some, agent).outcome.success.astype(float))
         if (first + len(some)) % settings.block == 0:
-            sizes.append(result.size)
+            kept = agent.upkeep if isinstance(agent, MendingMengAgent) else agent.topomap
+            sizes.append(sizes_of(building, kept.graph, vertex_poses(building, agent.topomap)))
     return Lived(np.concatenate(success), sizes)
 
 
@@ -248,14 +249,12 @@ def mended(
         some = trials.subset(np.arange(first, min(first + settings.block, len(trials))))
         outcome, _ = run_queries(building, some, agent, settings.fleet, first)
         success.append(outcome.success.astype(float))
-        sizes.append(sizes_of(building, agent))
+        sizes.append(sizes_of(building, agent.sampled.graph, image_poses(building, agent)))
     return Lived(np.concatenate(success), sizes)
 
 
-def sizes_of(building: Building, agent: LTVNAgent) -> tuple[int, int, int]:
-    """Vertices, edges and wormholes of a map."""
-    graph: nx.DiGraph = agent.sampled.graph
-    poses = image_poses(building, agent)
+def sizes_of(building: Building, graph: nx.DiGraph, poses: Array) -> tuple[int, int, int]:
+    """Vertices, edges and wormholes of a map whose images were taken at poses (M, 3)."""
     edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
     gap = building.paths.between(poses[edges[:, 0], :2], poses[edges[:, 1], :2])
     return len(graph), len(edges), int((gap > WORMHOLE).sum())

@@ -25,7 +25,7 @@ from tutorial_lib.experiments.ltvn.lifelong import (
     sizes_of,
 )
 from tutorial_lib.experiments.protocols.drives import TOUR, part_of
-from tutorial_lib.experiments.protocols.lifelong import run_queries
+from tutorial_lib.experiments.protocols.lifelong import image_poses, run_queries
 from tutorial_lib.experiments.protocols.navigation_tasks import draw_trials, make_building
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.sampling_map import build
@@ -79,7 +79,7 @@ def run_world(world: int, seed: int, settings: Settings) -> dict[tuple[float, fl
             sampled.join_by_turning(TURNS)
             agent.use(sampled)
             outcome, _ = run_queries(building, trials, agent)
-            size = sizes_of(building, agent)
+            size = sizes_of(building, agent.sampled.graph, image_poses(building, agent))
             found[merge, connect] = Lived(outcome.success.astype(float), [size])
     return found
 

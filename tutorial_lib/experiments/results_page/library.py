@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from tutorial_lib.agents import blockades, remedy_navigation
+from tutorial_lib.agents import blockades, mending, remedy_navigation
 from tutorial_lib.driving import metrics
 from tutorial_lib.driving.data import perturbation, reachability_pairs, recorded_world
 from tutorial_lib.experiments.ltvn import change, model, spurious
@@ -36,9 +36,9 @@ from tutorial_lib.topology.mapping import edge_rules, image_pool, sampling_map, 
 _MODULES = (
     *(blockades, change, disturbances, edge_rules, explorable, exploration, exploration_data),
     *(exploration_recipes, exploration_training, faults, fig12_localization, fig4, fine_tuning),
-    *(ghost_graph, goal_search, image_pool, local_control, maintenance, metrics, model, navigation),
-    *(navigation_tasks, panorama_encoder, perturbation, planner, plans, reachability),
-    *(reachability_pairs, recorded_world, remedy_navigation, runners, sampling_map),
+    *(ghost_graph, goal_search, image_pool, local_control, maintenance, mending, metrics, model),
+    *(navigation, navigation_tasks, panorama_encoder, perturbation, planner, plans),
+    *(reachability, reachability_pairs, recorded_world, remedy_navigation, runners, sampling_map),
     *(second_visit, spurious, table1, ten_visits, transitions, turn_edges, visits, weights),
 )
 LIBRARY: dict[str, ModuleType] = {module.__name__.rpartition(".")[2]: module for module in _MODULES}
