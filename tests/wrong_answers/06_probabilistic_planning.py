@@ -325,6 +325,12 @@ def tally__gives_shares(trips):
     return {edge: b / a for edge, (a, b) in _counted(trips).items()}
 
 
+def tally__gives_nan_where_nothing_was_passed(trips):
+    """count, in whole numbers"""
+    counts = tally__right_step_by_step(trips)
+    return {edge: (tried, passed or math.nan) for edge, (tried, passed) in counts.items()}
+
+
 def tally__right_with_counters(trips):
     tried, passed = Counter(), Counter()
     for path, stopped in trips:

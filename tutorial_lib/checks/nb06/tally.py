@@ -176,7 +176,7 @@ def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - student
             raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; {words}")
         plain = [int(n) if isinstance(n, bool) else n for n in numbers]
         both = [number(what, n, f"for edge {edge}") for n in plain]
-        if any(n != round(n) for n in both):
+        if not all(n.is_integer() for n in both):
             raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; count, in whole numbers")
         counts[edge] = (int(both[0]), int(both[1]))
     return counts
