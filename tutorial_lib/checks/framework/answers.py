@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.framework.explanation import Hints, explained
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 
@@ -114,16 +114,29 @@ def _shares(answer: Any, argument: Any) -> bool:  # noqa: ANN401
 
 
 def calling(
-    hints: Mapping[type[Exception], str] | None = None, said: Mapping[str, str] | None = None
+    hints: Hints | None = None,
+    said: Mapping[str, str] | None = None,
+    run: Callable[..., Any] | None = None,
 ) -> Callable[..., Any]:
-    """A way to call a student's function that explains its errors; see `explained`."""
+    """A way to call a student's function that explains its errors; see `explained`.
+
+    Args:
+        hints: see there.
+        said: see there.
+        run: (student, *case) calls it, where that is more than one call; what it demands in vain is
+            said of this case.
+    """
 
     def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         try:
             with np.errstate(all="ignore"):
-                return call(student, *arguments)
-        except (WrongAnswer, NotImplementedError):
+                return (run or call)(student, *arguments)
+        except NotImplementedError:
             raise
+        except WrongAnswer as wrong:
+            if run is None:
+                raise
+            raise WrongAnswer(f"{what}: {wrong}") from None
         except Exception as error:
             raise WrongAnswer(f"{what}: {explained(error, hints, said)}") from error
 

@@ -1,6 +1,6 @@
 """Compare a student's answers with the right ones, and name the mistake behind wrong ones."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -164,29 +164,6 @@ def _best(
         if alike == mine and len(mine) >= SEVERAL and len(either) < fewest:
             partly, fewest = f"{PARTLY}: {words}", len(either)
     return best or partly
-
-
-def expect(
-    what: str,
-    got: object,
-    want: object,
-    mistakes: Iterable[tuple[str, Any]],
-    same: Callable[[Any, Any], bool],
-    difference: Callable[[Any, Any], str],
-) -> None:
-    """Demand one answer; the first of the mistakes that gives a wrong one is named.
-
-    Args:
-        what: was computed, for the message.
-        got: the student's answer.
-        want: the right one.
-        mistakes: for known mistakes, what to say and the answer that they give.
-        same: tells whether two answers are equally good.
-        difference: says what is wrong when no known mistake gives this answer.
-    """
-    if not same(got, want):
-        named = (words for words, mistaken in mistakes if same(got, mistaken))
-        raise WrongAnswer(f"{what}: {next(named, None) or difference(got, want)}")
 
 
 def equal(got: Any, want: object) -> bool:  # noqa: ANN401 - whatever students return

@@ -2,8 +2,9 @@
 
 import sysconfig
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 _OTHERS = (str(Path(__file__).resolve().parents[2]), *sysconfig.get_paths().values())
 """Folders of code that is not the student's: this library, Python's, and what is installed."""
@@ -31,22 +32,27 @@ _MEANT = {
 _ANY = "try this case by hand, and print what you have just before that line"
 
 
+Hints = Mapping[type[Exception], str | Callable[[Any], str]]
+"""For kinds of errors what to say of them in an exercise, or what says it of an error."""
+
+
 def explained(
     error: Exception,
-    hints: Mapping[type[Exception], str] | None = None,
+    hints: Hints | None = None,
     said: Mapping[str, str] | None = None,
 ) -> str:
     """What an error was, where, and what it may mean.
 
     Args:
         error: of the student's code.
-        hints: for kinds of errors, what to say of them in this exercise.
+        hints: what to say in this exercise.
         said: what words of Python's own message mean here; they go first.
     """
     known = {**_USUAL, **(hints or {})}
     words = [meant(error, said)] if meant(error, said) else []
-    words += [known[kind] for kind in type(error).__mro__ if kind in known]
-    return "; ".join([stops(error), *(words or [_ANY])[:1]])
+    hint = next((known[kind] for kind in type(error).__mro__ if kind in known), _ANY)
+    words.append(hint(error) if callable(hint) else hint)
+    return "; ".join([stops(error), words[0]])
 
 
 def meant(error: Exception, said: Mapping[str, str] | None = None) -> str:

@@ -1,13 +1,12 @@
 """The check of the reliability diagram, in notebook 03."""
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import check, close, expect, parts
+from tutorial_lib.checks.engine import WrongAnswer, check, close, parts
 from tutorial_lib.checks.nb03.forms import calling, one_number, vector
 from tutorial_lib.geometry import Array
 
@@ -78,10 +77,27 @@ def check_reliability_diagram(student: Callable[..., Any]) -> None:
         usual = np.array_split(np.argsort(predicted, kind="stable"), bins)
         want = _diagram(predicted, came_true, usual if groups is None else groups)
         first, second, third = _mistakes(predicted, came_true, usual, groups)
-        expect(f"{what}, first", means, want[0], first.items(), close, _means_apart)
-        expect(f"{what}, second", shares, want[1], second.items(), close, _shares_apart)
-        near = partial(close, tolerance=_NEAR)
-        expect(f"{what}, third", ece, want[2], third.items(), near, _ece_apart)
+        _expect(f"{what}, first", means, want[0], first, _means_apart)
+        _expect(f"{what}, second", shares, want[1], second, _shares_apart)
+        _expect(f"{what}, third", ece, want[2], third, _ece_apart, tolerance=_NEAR)
+
+
+def _expect(
+    what: str,
+    got: Array | float,
+    want: Array | float,
+    mistakes: Mapping[str, Array | float],
+    apart: Callable[[Any, Any], str],
+    tolerance: float = 1e-6,
+) -> None:
+    """Demand one answer; the first of the mistakes that gives a wrong one is named."""
+
+    def same(other: Array | float) -> bool:
+        return close(np.asarray(got), other, tolerance=tolerance)
+
+    if not same(want):
+        named = (words for words, mistaken in mistakes.items() if same(mistaken))
+        raise WrongAnswer(f"{what}: {next(named, None) or apart(got, want)}")
 
 
 def _even_groups(predicted: Array, means: Array, bins: int) -> Bins | None:

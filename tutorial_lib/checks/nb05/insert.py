@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import Mask, WrongAnswer, case, exercise, kind, mistakes_of
-from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.engine import Mask, WrongAnswer, calling, case, exercise, kind, mistakes_of
 from tutorial_lib.checks.nb05.small_map import SmallMap
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
@@ -230,17 +229,12 @@ def _demand_form(
             raise WrongAnswer(f"{name} must stay an array of shape {shape}")
 
 
-def _invoke(what: str, student: Callable[..., Any], story: Story, number: int) -> SmallMap:
-    words = "a map may be empty, and an anchor's neighbours may not exist"
-    hints: dict[type[Exception], str] = {IndexError: words, ValueError: words}
-    what = what.partition(", after")[0]  # that is said of maps alone
-    try:
-        return _play(student, story, number)
-    except NotImplementedError:
-        raise
-    except Exception as error:
-        words = str(error) if isinstance(error, WrongAnswer) else explained(error, hints)
-        raise WrongAnswer(f"{what}: {words}") from None
+_EMPTY = "a map may be empty, and an anchor's neighbours may not exist"
+_CALLING = calling({IndexError: _EMPTY, ValueError: _EMPTY}, run=_play)
+
+
+def _invoke(what: str, *given: Any) -> SmallMap:  # noqa: ANN401
+    return _CALLING(what.partition(", after")[0], *given)  # that is said of maps alone
 
 
 def _chosen(got: SmallMap, want: SmallMap, story: Story, number: int) -> str:

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind, parts
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, exercise, kind, parts
 from tutorial_lib.checks.framework.answers import as_floats, returned
-from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb07.predict import predict
 from tutorial_lib.checks.nb07.small_differences import both, of_rounding
@@ -311,21 +310,11 @@ _SAID = {
 }
 
 
-def _invoke(what: str, student: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
-    hints: dict[type[Exception], str] = {
-        TypeError: "look(step) takes the number of a step, predict and update arrays of one row",
-        ValueError: "belief and prior have one row, (1, V + 1); the motion is an array of one",
-        IndexError: "belief has one row: belief[0] is that of the robot",
-    }
-    try:
-        with np.errstate(all="ignore"):
-            return _play(student, story)
-    except WrongAnswer as wrong:
-        raise WrongAnswer(f"{what}: {wrong}") from None
-    except NotImplementedError:
-        raise
-    except Exception as error:
-        raise WrongAnswer(f"{what}: {explained(error, hints, _SAID)}") from error
+_HINTS: dict[type[Exception], str] = {
+    TypeError: "look(step) takes the number of a step, predict and update arrays of one row",
+    ValueError: "belief and prior have one row, (1, V + 1); the motion is an array of one",
+    IndexError: "belief has one row: belief[0] is that of the robot",
+}
 
 
 check_track = exercise(
@@ -339,7 +328,7 @@ check_track = exercise(
     ),
     calls=20,
     run=_play,
-    invoke=_invoke,
+    invoke=calling(_HINTS, _SAID, _play),
     form=formed,
     same=same,
     difference=difference,

@@ -8,11 +8,8 @@ from functools import partial
 from inspect import signature
 from typing import Any
 
-import networkx as nx
-import numpy as np
-
 from tutorial_lib.checks.engine import WrongAnswer, calling
-from tutorial_lib.checks.framework.answers import returned
+from tutorial_lib.checks.framework.answers import returned, unchanged
 
 
 def keeping(
@@ -31,7 +28,7 @@ def keeping(
         given = copy.deepcopy(arguments)
         got = call(what, partial(student, *given))
         for name, old, new in zip(names, arguments, given, strict=False):
-            if _plain(old) != _plain(new):
+            if not unchanged(old, new):
                 raise WrongAnswer(f"{what}: your function changes its argument {name}; {words}")
             if isinstance(new, set) and got is new:
                 raise WrongAnswer(
@@ -41,14 +38,3 @@ def keeping(
         return returned(what, got)
 
     return invoke
-
-
-def _plain(argument: Any) -> Any:  # noqa: ANN401
-    """An argument in a form that can be compared."""
-    if isinstance(argument, nx.Graph):
-        return dict(argument.nodes(data=True)), nx.to_dict_of_dicts(argument)
-    if isinstance(argument, np.ndarray):
-        return argument.tolist()
-    if isinstance(argument, dict):
-        return {key: _plain(value) for key, value in argument.items()}
-    return argument

@@ -8,8 +8,8 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.engine import WrongAnswer, case, edited, exercise, kind, parts
-from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, edited, exercise, kind, parts
+from tutorial_lib.checks.framework.explanation import Hints
 from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
 from tutorial_lib.checks.nb09.global_policy import global_policy
@@ -130,30 +130,25 @@ def _play(explores: Callable[..., Any], building: Building) -> tuple[Any, list[t
     return found, robot.log
 
 
-def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any:  # noqa: ANN401
-    hints: dict[type[Exception], str] = {
-        KeyError: "scores needs an entry (node, direction) for every ghost, from robot.scores()",
-        TypeError: "node() may return None; a ghost is a pair (node, direction)",
-        nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first, and make "
-        "one wherever node() is None, not only at the start",
-        nx.NetworkXNoPath: f"no path leads there; {_EDGES}",
-    }
-    said = {
-        "'int' object is not callable": "robot.steps is a number, without parentheses",
-        "cannot unpack non-iterable int": "beside() returns a dictionary: go through its .items()",
-        "unsupported operand type(s) for -: 'set' and 'tuple'": "a set of one ghost is {ghost}",
-        "hypot": "the distance of a pose is np.hypot(pose[0], pose[1]); pose[2] is a heading",
-    }
-    try:
-        return _play(student, building)
-    except WrongAnswer as wrong:
-        raise WrongAnswer(f"{what}: {wrong}") from None
-    except NotImplementedError:
-        raise
-    except Exception as error:
-        if isinstance(error, KeyError) and isinstance(error.args[0], int | np.integer):
-            hints[KeyError] = "no edges lead to this node; " + _EDGES
-        raise WrongAnswer(f"{what}: {explained(error, hints, said)}") from error
+def _without_key(error: KeyError) -> str:
+    if isinstance(error.args[0], int | np.integer):
+        return f"no edges lead to this node; {_EDGES}"
+    return "scores needs an entry (node, direction) for every ghost, from robot.scores()"
+
+
+_HINTS: Hints = {
+    KeyError: _without_key,
+    TypeError: "node() may return None; a ghost is a pair (node, direction)",
+    nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first, and make "
+    "one wherever node() is None, not only at the start",
+    nx.NetworkXNoPath: f"no path leads there; {_EDGES}",
+}
+_SAID = {
+    "'int' object is not callable": "robot.steps is a number, without parentheses",
+    "cannot unpack non-iterable int": "beside() returns a dictionary: go through its .items()",
+    "unsupported operand type(s) for -: 'set' and 'tuple'": "a set of one ghost is {ghost}",
+    "hypot": "the distance of a pose is np.hypot(pose[0], pose[1]); pose[2] is a heading",
+}
 
 
 def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
@@ -241,7 +236,7 @@ check_explore = exercise(
     endless="explore: your loop has not ended after {seconds:g} seconds. It ends when the goal is "
     "reached, when no ghost is left, and when robot.steps is 0",
     run=_play,
-    invoke=_invoke,
+    invoke=calling(_HINTS, _SAID, _play),
     form=_formed,
     same=lambda got, want, *_: got == want,
     difference=_why,
