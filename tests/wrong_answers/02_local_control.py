@@ -943,25 +943,15 @@ def _train(
     val,
     plan,
     *,
-    accum=False,
-    step_before=False,
     eval_every_step=False,
     best_max=False,
-    early_first=False,
     use_adam=False,
-    no_step=False,
-    clip_before=False,
-    detach=False,
     evaluate_zero_mod=False,
-    restore_first=False,
-    mean_hist=True,
     two_steps=False,
-    loss_twice=False,
-    max_norm_fixed=None,
-    interval_fixed=None,
+    max_norm=None,
+    interval=None,
     lr_floor=0.0,
     patience_rises=False,
-    stop_le=False,
 ):
     hist, ls = ([], [])
     low, w, wait = (math.inf, None, 0)
@@ -969,34 +959,20 @@ def _train(
     if use_adam:
         opt = torch.optim.Adam(net.parameters(), plan.learning_rate)
     net.train()
-    E = interval_fixed or plan.eval_interval
+    E = interval or plan.eval_interval
     for t in range(plan.max_steps):
-        lr = (
-            plan.learning_rate
-            * min(1, (t + 1) / plan.warmup_steps)
-            * (1 + math.cos(math.pi * t / plan.max_steps))
-            / 2
-        )
+        warm = min(1, (t + 1) / plan.warmup_steps)
+        lr = plan.learning_rate * warm * (1 + math.cos(math.pi * t / plan.max_steps)) / 2
         for g in opt.param_groups:
             g["lr"] = max(lr, lr_floor)
         opt.zero_grad()
-        batch = draw(t)
-        loss = lossf(net, batch)
-        if loss_twice:
-            loss = lossf(net, batch)
-        if step_before:
-            opt.step()
-        if clip_before:
-            torch.nn.utils.clip_grad_norm_(net.parameters(), plan.max_norm)
+        loss = lossf(net, draw(t))
         loss.backward()
-        if not clip_before:
-            torch.nn.utils.clip_grad_norm_(net.parameters(), max_norm_fixed or plan.max_norm)
-        if not step_before and (not no_step):
-            opt.step()
-        if two_steps:
+        torch.nn.utils.clip_grad_norm_(net.parameters(), max_norm or plan.max_norm)
+        for _ in range(1 + two_steps):
             opt.step()
         ls.append(loss.item())
-        hit = t % E == 0 if evaluate_zero_mod else (t + 1) % E == 0
+        hit = (t if evaluate_zero_mod else t + 1) % E == 0
         if eval_every_step or hit or t + 1 == plan.max_steps:
             net.eval()
             with torch.no_grad():
@@ -1004,18 +980,13 @@ def _train(
             net.train()
             hist.append((t + 1, sum(ls) / len(ls), v))
             ls = []
-            if patience_rises:
-                wait = wait + 1 if v > prev else 0
-                prev = v
-                if v < low:
-                    low = v
-                    w = {k: x.clone() for k, x in net.state_dict().items()}
-            elif v > low if best_max and low < math.inf else v < low:
+            better = v > low if best_max and low < math.inf else v < low
+            if better:
                 low = v
                 w = {k: x.clone() for k, x in net.state_dict().items()}
-                wait = 0
-            else:
-                wait += 1
+            waits = v > prev if patience_rises else not better
+            wait = wait + 1 if waits else 0
+            prev = v
             if wait >= plan.patience:
                 break
     net.load_state_dict(w)
@@ -1050,12 +1021,12 @@ def train_network__steps_twice(*c):
 
 def train_network__ignores_max_norm(*c):
     """gradients are shortened to 1, but plan.max_norm is"""
-    return _train(*c, max_norm_fixed=1.0)
+    return _train(*c, max_norm=1.0)
 
 
 def train_network__ignores_the_interval(*c):
     """evaluate after every plan.eval_interval steps: after [2, 4, 6, 8, 10, 12]"""
-    return _train(*c, interval_fixed=4)
+    return _train(*c, interval=4)
 
 
 def train_network__limits_the_rate_from_below(*c):

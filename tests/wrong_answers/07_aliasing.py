@@ -310,46 +310,27 @@ def _tracked(
     onward,
     rules,
     *,
-    start=None,
-    always=False,
-    twice=False,
-    forgets=False,
-    keeps_pose=False,
-    power=True,
-    floor=True,
-    sticky=True,
-    off=True,
-    waits=True,
-    leaves_off=False,
     begins=-1,
-    more=0,
-    measure=lambda odometry, since, step: distance(odometry[since], odometry[step]),
-    likelihood=None,
+    measure=distance,
+    likelihood=lambda view, rules: (
+        np.append(np.maximum(view, rules.least), rules.unknown) ** rules.sharpness
+    ),
 ):
     count = len(lengths)
     belief = prior = np.full((1, count), 1 / count)
-    last, since, vertex = odometry[0], 0, begins
-    waited = rules.interval + max(more, 0) if start is None else start
+    since, vertex, waited = odometry[0], begins, rules.interval
     beliefs, vertices = [], []
-    for step in range(len(odometry)):
-        gone = distance(last, odometry[step]) if keeps_pose else measure(odometry, since, step)
+    for step, pose in enumerate(odometry):
+        gone = measure(since, pose)
         waited += step > 0
         far = gone >= rules.stride
         if far:
-            prior = moved_on(belief, np.array([gone]), lengths, onward)
-            since = step
-        if far or always or ((waits or not step) and waited >= rules.interval + more):
+            prior, since = moved_on(belief, np.array([gone]), lengths, onward), pose
+        if far or waited >= rules.interval:
             waited = 0
-            view = look(step)
-            seen = np.append(np.maximum(view, rules.least if floor else 0), rules.unknown)
-            if likelihood:
-                seen, power = likelihood(view, rules), False
-            base = np.full((1, count), 1 / count) if forgets else (belief if twice else prior)
-            belief = looked(base, seen[None] ** (rules.sharpness if power else 1))
-        states = belief[0] if off else belief[0, :-1]
-        best = int(np.argmax(states))
-        stays = sticky and not (leaves_off and vertex == -1)
-        if not stays or belief[0, vertex] < rules.hysteresis * states[best]:
+            belief = looked(prior, likelihood(look(step), rules)[None])
+        best = int(np.argmax(belief[0]))
+        if belief[0, vertex] < rules.hysteresis * belief[0, best]:
             vertex = -1 if best == count - 1 else best
         beliefs.append(belief[0])
         vertices.append(vertex)
@@ -469,9 +450,7 @@ def track__belief_of_one_dimension(odometry, look, lengths, onward, rules):
     return belief[0, -1], [-1]
 
 
-def _with_base(
-    odometry, look, lengths, onward, rules, *, still=False, resets=True, all_states=True
-):
+def track__right_by_the_number_of_the_look(odometry, look, lengths, onward, rules):
     count = len(lengths)
     belief = prior = np.full((1, count), 1 / count)
     last, looked_at, vertex, beliefs, vertices = odometry[0], 0, -1, [], []
@@ -483,18 +462,13 @@ def _with_base(
         if far or step == 0 or step - looked_at >= rules.interval:
             seen = np.append(np.maximum(look(step), rules.least), rules.unknown)
             belief = looked(prior, seen[None] ** rules.sharpness)
-            prior = belief if still else prior
-            looked_at = step if resets or not far else looked_at
+            looked_at = step
         if belief[0, vertex] < rules.hysteresis * belief[0].max():
-            vertex = int(belief[0].argmax() if all_states else belief[0, :-1].argmax())
+            vertex = int(belief[0].argmax())
             vertex = -1 if vertex == count - 1 else vertex
         beliefs.append(belief[0])
         vertices.append(vertex)
     return np.array(beliefs), vertices
-
-
-def track__right_by_the_number_of_the_look(odometry, look, lengths, onward, rules):
-    return _with_base(odometry, look, lengths, onward, rules)
 
 
 # Ties, small values

@@ -32,12 +32,10 @@ def explorable__right_with_complex_numbers(free, radius):
     return path_lengths(free)[cells] / radius <= 1.05
 
 
-def _lengths_at(free, radius, bearings=None, middle=None, reach=None, rounding=np.rint):
-    bearings = np.arange(12) * np.pi / 6 if bearings is None else bearings
-    middle = len(free) // 2 if middle is None else middle
-    reach = radius / CELL if reach is None else reach
-    columns = middle + rounding(reach * np.cos(bearings)).astype(int)
-    rows = middle + rounding(reach * np.sin(bearings)).astype(int)
+def _lengths_at(free, radius, turn=1):
+    bearings, middle, reach = turn * np.arange(12) * np.pi / 6, len(free) // 2, radius / CELL
+    columns = middle + np.rint(reach * np.cos(bearings)).astype(int)
+    rows = middle + np.rint(reach * np.sin(bearings)).astype(int)
     return path_lengths(free)[rows, columns], rows, columns
 
 
@@ -49,7 +47,7 @@ def explorable__only_the_point(free, radius):
 
 def explorable__clockwise(free, radius):
     """directions go counter-clockwise"""
-    return _lengths_at(free, radius, -np.arange(12) * np.pi / 6)[0] <= 1.05 * radius
+    return _lengths_at(free, radius, turn=-1)[0] <= 1.05 * radius
 
 
 def explorable__lengths(free, radius):
@@ -154,16 +152,6 @@ def global_policy__right_by_all_paths(graph, here, ghosts, scores, goal=None, we
     return (path[1] if len(path) > 1 else here), ranked[0][1]
 
 
-def _policy(graph, here, ghosts, scores, goal, weight, value=None, by="metres", known=None):
-    known = goal is not None if known is None else known
-    if not known and not ghosts:
-        return [here], None
-    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
-    value = value or (lambda g: scores[g] - weight * metres[g[0]] / 20)
-    ghost = None if known else max(sorted(ghosts), key=value)
-    return nx.shortest_path(graph, here, goal if known else ghost[0], weight=by), ghost
-
-
 def global_policy__of_nothing(graph, here, ghosts, scores, goal=None, weight=0.0):
     """there may be no ghost left"""
     ghost = None if goal is not None else max(ghosts, key=lambda g: scores[g])
@@ -172,7 +160,13 @@ def global_policy__of_nothing(graph, here, ghosts, scores, goal=None, weight=0.0
 
 def global_policy__next_index(graph, here, ghosts, scores, goal=None, weight=0.0):
     """the path has one node"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
+    ghost = None
+    if goal is None and ghosts:
+        metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+        ghost = max(sorted(ghosts), key=lambda g: scores[g] - weight * metres[g[0]] / 20)
+    elif goal is None:
+        goal = here
+    path = nx.shortest_path(graph, here, ghost[0] if ghost else goal, weight="metres")
     return path[1], ghost
 
 
@@ -187,23 +181,14 @@ def global_policy__node_only(graph, here, ghosts, scores, goal=None, weight=0.0)
     return chosen(graph, here, ghosts, scores, goal, weight)[0]
 
 
-def _valued(graph, here, ghosts, scores, goal, weight, metres, least=-math.inf):
-    """The policy with other distances or weights."""
-    if goal is not None or not ghosts:
-        return chosen(graph, here, ghosts, scores, goal, weight)
-    values = {g: scores[g] - weight * metres[g[0]] / 20 for g in sorted(ghosts)}
-    best = max(values, key=values.__getitem__)
-    if values[best] <= least:
-        return here, None
-    path = nx.shortest_path(graph, here, best[0], weight="metres")
-    return path[min(1, len(path) - 1)], best
-
-
 def global_policy__whole_metres(graph, here, ghosts, scores, goal=None, weight=0.0):
     """a fraction of a metre decides"""
+    if goal is not None or not ghosts:
+        return chosen(graph, here, ghosts, scores, goal, weight)
     metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
-    whole = {node: int(length) for node, length in metres.items()}
-    return _valued(graph, here, ghosts, scores, goal, weight, whole)
+    best = max(sorted(ghosts), key=lambda g: scores[g] - weight * int(metres[g[0]]) / 20)
+    path = nx.shortest_path(graph, here, best[0], weight="metres")
+    return path[min(1, len(path) - 1)], best
 
 
 def global_policy__cost_among_the_two_best(graph, here, ghosts, scores, goal=None, weight=0.0):
@@ -321,56 +306,40 @@ def explore__right_that_drives_the_whole_path(robot):
 
 def _loop(robot, **faults):
     """The loop with switches for mistakes."""
-    graph, ghosts, scores, arrived, last, rounds = nx.Graph(), set(), {}, False, -1, 0
-    looks, drove = faults.get("looks", lambda *_: True), False
+    graph, ghosts, scores, arrived, rounds = nx.Graph(), set(), {}, False, 0
     while faults.get("endless") or (robot.steps > 0 and rounds < faults.get("rounds", 1_000)):
         rounds += 1
-        if looks(rounds, robot, arrived, drove) and robot.sees_goal():
-            if robot.to_goal() or faults.get("believes"):
+        if robot.sees_goal():
+            if robot.to_goal():
                 return True, graph, ghosts
-            if faults.get("gives_up"):
-                return False, graph, ghosts
             arrived = faults.get("after_mistake", arrived)
         here = robot.node()
-        new = here is None or (arrived and not faults.get("lost_only"))
-        new &= not faults.get("last_only") or here is None or here == last
+        new = here is None or arrived
         new = (not len(graph) or arrived) if faults.get("arrived_only") else new
         if new or faults.get("always_new"):
             here, beside = len(graph), robot.beside()
             graph.add_node(here)
             for other, pose in beside.items():
-                if not faults.get("last_edge") or other == last:
-                    metres = 1.0 if faults.get("no_metres") else np.hypot(*pose[:2])
-                    graph.add_edge(here, other, metres=metres)
-            if faults.get("no_edges"):
-                graph.remove_edges_from(list(graph.edges))
-            before = set() if faults.get("forgets") else ghosts
-            near = {} if faults.get("alone") else beside
+                if not faults.get("no_edges"):
+                    graph.add_edge(here, other, metres=np.hypot(*pose[:2]))
             old = ghosts if faults.get("comes_back") else set()
-            ghosts = added(before, here, robot.explorable(), near) | old
+            ghosts = added(ghosts, here, robot.explorable(), beside) | old
             for k, score in enumerate(robot.scores()):
                 scores[here, k] = score
             if not faults.get("never_remembers"):
                 robot.remember(here)
-        if faults.get("scores_anew"):
-            scores |= {(here, k): score for k, score in enumerate(robot.scores())}
-        last = here
         node, ghost = chosen(graph, here, ghosts, scores)
         if ghost is None and faults.get("no_break"):
             continue
         if ghost is None:
             break
-        drove = node != here and not faults.get("straight")
-        if drove:
+        if node != here and not faults.get("straight"):
             robot.to_node(ghost[0] if faults.get("to_the_end") else node)
             arrived = False
             continue
         there = robot.to_ghost(ghost)
         arrived = there or faults.get("never_asks", False) or (arrived and "stays" in faults)
-        if faults.get("all_of_node"):
-            ghosts = {other for other in ghosts if other[0] != here}
-        if not faults.get("keeps") and (there or not faults.get("keeps_blocked")):
-            ghosts = ghosts - {ghost}
+        ghosts = ghosts - {ghost}
     return False, graph, ghosts
 
 
