@@ -157,12 +157,7 @@ CANVAS = {
     "PlanView.robot": lambda: by_view("robot", pose=pose(), footprint=points(empty=False)),
     "PlanView.arrow": lambda: by_view("arrow", pose=pose(), colour=colour(), size=line()),
     "PlanView.goal": lambda: by_view("goal", point=points(POINTS[0], (2,))),
-    "PlanView.seen": lambda: by_view(
-        "seen",
-        pose=pose(),
-        ends=points(shape=(..., 2)),
-        opacity=number(0.5, least=0, most=1),
-    ),
+    "PlanView.seen": lambda: by_view("seen", pose=pose(), ends=points(shape=(..., 2))),
     "PlanView.rays": lambda: by_view(
         "rays", pose=pose(), ends=points(shape=(..., 2)), colour=colour()
     ),
@@ -177,7 +172,6 @@ CANVAS = {
         viz.draw_arrows,
         points=points(takes="more axes"),
         vectors=points(takes="more axes"),
-        colour=colour(),
     ),
     "draw_cells": lambda: on(
         viz.draw_cells,
@@ -207,7 +201,6 @@ CANVAS = {
         camera=a(Camera(), optional=True),
         discs=a(None, optional=True),
     ),
-    "draw_frames": lambda: on(viz.draw_frames, poses=poses(), radius=line()),
     "draw_ghost_graph": lambda: on(
         draw_ghost_graph,
         nodes=points(shape=("V", 2), takes="longer axis 1", refuses="shorter V, empty"),
@@ -220,9 +213,6 @@ CANVAS = {
         viz.draw_metrics,
         points=points(takes="more axes"),
         metrics=floats(np.stack([np.eye(2)] * 3), ("P", 2, 2), takes="more axes"),
-        size=number(0.06, least=0, most=100),
-        most=number(3.0, least=0, most=100),
-        colour=colour(),
     ),
     "draw_badge": lambda: on(
         draw_badge,
@@ -251,8 +241,6 @@ CANVAS = {
         viz.draw_topomap,
         topomap=a(topomap()),
         poses=points(PLACES, (5, 3)),
-        size=line(),
-        width=line(),
     ),
     "hue": lambda: call(viz.hue, number=whole(3, refuses="huge")),
     "label": lambda: on(
@@ -283,14 +271,6 @@ FIGURES = {
         now=whole(1, least=0, most=2),
         reached=flag(True, optional=True),
     ),
-    "anchors_picture": lambda: call(
-        viz.anchors_picture,
-        view=view(),
-        poses=poses(empty=False, refuses="shorter T"),
-        anchors=integers([0, 2], ("A",), least=0, most=2),
-        margin=number(0.8, least=0, refuses="huge"),
-        numbered=flag(True),
-    ),
     "camera_picture": lambda: call(
         viz.camera_picture, image=picture(8, 24), width=side(48, 2), smooth=flag(True)
     ),
@@ -314,7 +294,6 @@ FIGURES = {
         rows=several([ROW, ROW], empty=False),
         against=choice("sparsity"),
         width=number(4.0, above=0, most=100),
-        levels=a({"half": 0.5}, optional=True),
     ),
     "draw_reliability": lambda: call(
         viz.draw_reliability,
@@ -372,8 +351,6 @@ FIGURES = {
         viz.graph_picture,
         graph=a(GRAPH),
         path=several(["here", "A"]),
-        places=a({"here": (0.0, 0.5), "A": (0.5, 0.5), "goal": (1.0, 0.5)}, optional=True),
-        width=number(3.0, above=0, most=100),
     ),
     "map_picture": lambda: call(
         directions.map_picture,

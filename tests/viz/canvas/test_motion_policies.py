@@ -16,13 +16,13 @@ def test_ellipses_are_long_where_a_metric_weighs_most():
 def test_policies_are_drawn_where_they_are(box):
     view = PlanView(box, 532, 532)
     picture = view.base.copy()
-    draw_metrics(view, picture, [[5.0, 5.0]], [np.eye(2)], size=0.5)
+    draw_metrics(view, picture, [[5.0, 5.0]], [100 * np.eye(2)])
     draw_arrows(view, picture, [[5.0, 5.0]], [[1.0, 0.0]])
     changed = np.argwhere((picture != view.base).any(axis=2))
     x, y = view.pixels([5.0, 5.0])
     assert changed[:, 1].max() == pytest.approx(x + view.scale, abs=3)
-    assert changed[:, 1].min() == pytest.approx(x - 0.5 * view.scale, abs=3)
-    assert changed[:, 0].min() == pytest.approx(y - 0.5 * view.scale, abs=3)
+    assert changed[:, 1].min() == pytest.approx(x - 0.18 * view.scale, abs=3)
+    assert changed[:, 0].min() == pytest.approx(y - 0.18 * view.scale, abs=3)
 
 
 @pytest.mark.parametrize("angle", [0.4, -1.0, 1.3])

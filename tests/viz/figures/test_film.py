@@ -69,12 +69,14 @@ def test_a_film_interrupted_midway_leaves_what_was_there(tmp_path):
     assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
 
 
-def test_a_film_of_which_frames_are_lost_leaves_what_was_there(tmp_path, monkeypatch):
-    class Full:
-        """As OpenCV on a full disk: it writes nothing more, and says nothing."""
+def end_after(count, fail, monkeypatch):
+    """Have OpenCV write `count` frames of a film, and call `fail` in the place of each other."""
+
+    class Ending:
+        fourcc = cv2.VideoWriter.fourcc
 
         def __init__(self, *given):
-            self.writer, self.left = cv2_writer(*given), 7
+            self.writer, self.left = cv2_writer(*given), count
 
         def isOpened(self):  # noqa: N802 - as OpenCV calls it
             return self.writer.isOpened()
@@ -83,16 +85,33 @@ def test_a_film_of_which_frames_are_lost_leaves_what_was_there(tmp_path, monkeyp
             self.left -= 1
             if self.left >= 0:
                 self.writer.write(frame)
+            else:
+                fail()
 
         def release(self):
             self.writer.release()
 
-    (tmp_path / "a.webm").write_text("an older film")
     cv2_writer = cv2.VideoWriter
-    Full.fourcc = cv2_writer.fourcc
-    monkeypatch.setattr(cv2, "VideoWriter", Full)
+    monkeypatch.setattr(cv2, "VideoWriter", Ending)
+
+
+def test_a_film_of_which_frames_are_lost_leaves_what_was_there(tmp_path, monkeypatch):
+    (tmp_path / "a.webm").write_text("an older film")
+    end_after(7, lambda: None, monkeypatch)  # as on a full disk, of which OpenCV says nothing
     with pytest.raises(InputError, match=r"a\.webm: .*7 of 12 frames could be read.* MB free"):
         write_film(tmp_path / "a.webm", frames(12), 10)
+    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
+
+
+@pytest.mark.parametrize("count", [3, 100])  # of which 30 may wait
+def test_an_error_while_frames_are_encoded_ends_the_film(count, tmp_path, monkeypatch):
+    def fail():
+        raise cv2.error("no memory")
+
+    (tmp_path / "a.webm").write_text("an older film")
+    end_after(2, fail, monkeypatch)
+    with pytest.raises(cv2.error, match="no memory"):
+        write_film(tmp_path / "a.webm", frames(count), 10)
     assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
 
 

@@ -35,12 +35,6 @@ def state_name(state: int) -> str:
     return State(state).name.replace("_", " ").lower()
 
 
-def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
-    """Draw the frames of a trajectory, poses (T, 3), as small dots."""
-    instance("view", view, PlanView)
-    view.points(picture, places_of("poses", poses, ("T", 3))[:, :2], colours.PATH, radius)
-
-
 def draw_anchors(
     view: PlanView,
     picture: Picture,

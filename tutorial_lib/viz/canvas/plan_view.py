@@ -131,7 +131,7 @@ class PlanView:
         self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], radius: float
     ) -> None:
         """Draw points (P, 2) as dots of `radius` pixels."""
-        size = max(2, round(thickness_of("radius", radius) / self.scale * self.scale * 2**_SHIFT))
+        size = max(2, round(thickness_of("radius", radius) * 2**_SHIFT))
         places, colour = places_of("points", points, (..., 2)), colour_of("colour", colour)
         check_canvas(picture)
         for x, y in self._fixed(places.reshape(-1, 2)).tolist():
@@ -166,13 +166,11 @@ class PlanView:
         for radius, colour in ((0.34, colours.GOAL), (0.24, colours.PAPER), (0.12, colours.GOAL)):
             self.disc(picture, point, radius, colour)
 
-    def seen(
-        self, picture: Picture, pose: ArrayLike, ends: ArrayLike, opacity: float = 0.5
-    ) -> None:
+    def seen(self, picture: Picture, pose: ArrayLike, ends: ArrayLike) -> None:
         """Tint what a robot at `pose` (3,) sees: up to the `ends` (P, 2) of its rays, in order."""
         ends, pose = places_of("ends", ends, (..., 2)).reshape(-1, 2), places_of("pose", pose, (3,))
         outline = np.concatenate([pose[None, :2], ends])
-        self.polygon(picture, outline, colours.VIEW, opacity)
+        self.polygon(picture, outline, colours.VIEW, 0.5)
         self.polyline(picture, np.concatenate([outline, outline[:1]]), colours.VIEW, 1.5)
 
     def rays(

@@ -31,30 +31,21 @@ def hue(number: int) -> Colour:
     return round(255 * red), round(255 * green), round(255 * blue)
 
 
-def draw_topomap(
-    view: PlanView,
-    picture: Picture,
-    topomap: TopoMap,
-    poses: ArrayLike,
-    size: float = 4.0,
-    width: float = 1.2,
-) -> None:
+def draw_topomap(view: PlanView, picture: Picture, topomap: TopoMap, poses: ArrayLike) -> None:
     """Draw a map: an arrowhead for each vertex, in the colour of its trajectory, and its edges.
 
     Args:
         view: of the plan.
         picture: to draw on.
         topomap: the map.
-        poses: (V, 3) where its vertices were recorded, see `navigation.vertex_poses`.
-        size: pixels of a vertex.
-        width: pixels of an edge.
+        poses: (V, 3) where its vertices were recorded, see `experiments.vertex_poses`.
     """
     if not all(hasattr(topomap, part) for part in ("graph", "trajectory", "alive")):
         raise InputError(f"topomap: {topomap!r}; give a map of V vertices")
     poses = places_of("poses", poses, (len(topomap.trajectory), 3))
-    draw_edges(view, picture, poses, topomap.graph.edges, colours.FAINT, width)
+    draw_edges(view, picture, poses, topomap.graph.edges, colours.FAINT)
     for vertex in topomap.alive:
-        view.arrow(picture, poses[vertex], hue(int(topomap.trajectory[vertex])), size)
+        view.arrow(picture, poses[vertex], hue(int(topomap.trajectory[vertex])), 4.0)
 
 
 def draw_edges(

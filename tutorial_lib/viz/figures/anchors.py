@@ -11,14 +11,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.validation import alike, instance, instances, integers, number, one_of, whole
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.anchors import (
-    STATES,
-    draw_anchors,
-    draw_frames,
-    draw_states,
-    state_name,
-    states_of,
-)
+from tutorial_lib.viz.canvas.anchors import STATES, draw_states, state_name, states_of
 from tutorial_lib.viz.canvas.given import (
     LARGEST,
     check_canvas,
@@ -39,24 +32,6 @@ CONTEXTS = {"k0": colours.LASER, "k2": colours.GOAL, "k5": colours.ROBOT, "laser
 _LONG = 10**6  # steps that a ribbon may stand for
 _COLUMNS = {"method", "context", "sparsity", "stored", "cover_rate", "low", "high", "threshold"}
 _BAR = 22  # pixels of a ribbon's height
-
-
-def anchors_picture(
-    view: PlanView,
-    poses: ArrayLike,
-    anchors: ArrayLike,
-    margin: float = 0.8,
-    numbered: bool = False,
-) -> Picture:
-    """A trajectory's frames (T, 3) and `anchors` (A,), cut out of the plan: a panel of Fig. 5."""
-    poses = places_of("poses", poses, ("T", 3), empty=False)
-    anchors = integers(
-        f"anchors of {len(poses)} poses", anchors, ("A",), least=0, most=len(poses) - 1
-    )
-    picture = instance("view", view, PlanView).base.copy()
-    draw_frames(view, picture, poses)
-    draw_anchors(view, picture, poses[anchors], numbered)
-    return closeup(view, picture, poses[:, :2], margin)
 
 
 def state_ribbon(states: ArrayLike, width: int = 960, longest: int | None = None) -> Picture:
@@ -185,10 +160,7 @@ def numbered_views(
 
 
 def cover_chart(
-    rows: Sequence[Mapping[str, Any]],
-    against: str = "sparsity",
-    width: float = 9.0,
-    levels: Mapping[str, float] | None = None,
+    rows: Sequence[Mapping[str, Any]], against: str = "sparsity", width: float = 9.0
 ) -> Picture:
     """Cover rate against sparsity (Fig. 7).
 
@@ -196,18 +168,12 @@ def cover_chart(
         rows: of `experiment meng_fig7` under one condition; k = 5 is labelled by its thresholds.
         against: "sparsity" or "stored".
         width: inches.
-        levels: cover rates to compare with, from 0 to 1, as lines with these names.
     """
     against = one_of("against", against, ("sparsity", "stored"))
-    levels = instance("levels", {} if levels is None else levels, Mapping)
     for row in instances("rows", rows, Mapping, empty=False):
         if missing := _COLUMNS - row.keys():
             raise InputError(f"rows: one has no {min(missing)}; give rows of meng_fig7")
     figure, (axis,) = chart(width, 4.4)
-    for name, level in levels.items():
-        axis.axhline(100 * level, color=colours.unit(colours.FAINT), linewidth=1.0, linestyle=":")
-        words = {"fontsize": 9, "color": colours.unit(colours.SOLID), "va": "center", "ha": "left"}
-        axis.text(1.01, 100 * level, name, transform=axis.get_yaxis_transform(), **words)
     for method, context in dict.fromkeys((row["method"], str(row["context"])) for row in rows):
         own = [r for r in rows if (r["method"], str(r["context"])) == (method, context)]
         own.sort(key=lambda row: row[against])

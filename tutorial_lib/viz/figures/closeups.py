@@ -65,10 +65,8 @@ def matches_picture(
         side: pixels of the square.
     """
     shares = floats("shares", shares, ("R", "C"), empty=False)
-    truth, side = (
-        floats("truth", truth, ("T", 2), least=0.0, most=1.0),
-        pixels_of("side", side, least=2),
-    )
+    truth = floats("truth", truth, ("T", 2), least=0.0, most=1.0)
+    side = pixels_of("side", side, least=2)
     current, target = picture_of("current", current), picture_of("target", target)
     dark = np.clip(shares, 0.0, 1.0)[..., None] ** 0.6
     tones = colours.PAPER + dark * (np.array(colours.ROBOT) - colours.PAPER)

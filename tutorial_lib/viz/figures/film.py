@@ -47,6 +47,7 @@ def film_encoder(
         InputError: when there are no frames, they are no such pictures, their sizes are odd or
             differ, the name is not a WebM film's, or this OpenCV cannot write one.
         OSError: when the disk did not take all frames.
+        cv2.error: when OpenCV failed at a frame; it may be raised some frames later.
     """
     if Path(path).suffix != ".webm":
         raise InputError(f"{path}: a film's name ends in .webm; rename it")
@@ -55,6 +56,8 @@ def film_encoder(
         yield encoder.add
     finally:
         encoder.finish()
+    if encoder.error is not None:
+        raise encoder.error
     if encoder.shape is None:
         raise InputError(f"{path}: no frames to write; give at least one")
     if (found := _frames_in(temporary)) != encoder.count:  # OpenCV says nothing of a full disk
@@ -120,11 +123,14 @@ class _Encoder:
     def __init__(self, path: str | Path, temporary: Path, rate: float) -> None:
         self.shape: tuple[int, ...] | None = None
         self.count = 0
+        self.error: Exception | None = None
         self._path, self._temporary, self._rate = path, temporary, rate
         self._waiting: Queue[Picture | None] = Queue(_MOST_WAITING)
 
     def add(self, frame: Picture) -> None:
-        """Add a frame; the first one fixes the size."""
+        """Add a frame; the first one fixes the size. An `error` of the thread is raised."""
+        if self.error is not None:
+            raise self.error
         if self.shape is None:
             self._start(frame)
         if frame.shape != self.shape or frame.dtype != np.uint8:  # OpenCV would drop it silently
@@ -133,7 +139,7 @@ class _Encoder:
         self._waiting.put(frame)
 
     def finish(self) -> None:
-        """Wait until all frames are encoded."""
+        """Wait until all frames are encoded, or there is an `error`."""
         if self.shape is not None:
             self._waiting.put(None)
             self._thread.join()
@@ -157,8 +163,13 @@ class _Encoder:
     def _encode(self, writer: cv2.VideoWriter) -> None:
         level = logging.getLogLevel()
         logging.setLogLevel(logging.LOG_LEVEL_ERROR)  # no warning for each frame that is lost
-        while (frame := self._waiting.get()) is not None:
-            writer.write(frame[..., ::-1])
+        try:
+            while (frame := self._waiting.get()) is not None:
+                writer.write(frame[..., ::-1])
+        except Exception as error:  # a thread has nobody to tell but who adds the frames
+            self.error = error
+            while self._waiting.get() is not None:  # else they would wait for ever
+                pass
         writer.release()
         logging.setLogLevel(level)
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import instance, number, with_methods
+from tutorial_lib.validation import instance, with_methods
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.charts import chart, from_figure
@@ -21,19 +21,12 @@ _PLACES = {
 }
 
 
-def graph_picture(
-    graph: Mapping[Any, Mapping[Any, float]],
-    path: Sequence[Any] = (),
-    places: Mapping[Any, tuple[float, float]] | None = None,
-    width: float = 6.4,
-) -> Picture:
+def graph_picture(graph: Mapping[Any, Mapping[Any, float]], path: Sequence[Any] = ()) -> Picture:
     """A small graph with RE beside its edges; those of `path` stand out.
 
     Args:
-        graph: for each vertex, its successors with the RE of each edge.
+        graph: for each vertex of the example by hand, its successors with the RE of each edge.
         path: vertices in order.
-        places: of the vertices, from (0, 0) to (1, 1); those of the example by hand unless given.
-        width: inches.
     """
     from matplotlib.patches import FancyArrowPatch
 
@@ -41,13 +34,12 @@ def graph_picture(
     if not all(isinstance(edges, Mapping) for edges in edges_of.values()):
         raise InputError("graph: give for each vertex its successors, {vertex: {successor: RE}}")
     path = instance("path", path, Sequence)
-    places = _PLACES if places is None else instance("places", places, Mapping)
-    lost = {*graph, *(v for edges in graph.values() for v in edges), *path} - set(places)
+    lost = {*graph, *(v for edges in graph.values() for v in edges), *path} - set(_PLACES)
     if lost:
         raise InputError(
-            f"places, path: none for {min(map(str, lost))}; give a place for each vertex"
+            f"graph, path: no place for {min(map(str, lost))}; give {', '.join(_PLACES)}"
         )
-    figure, (axis,) = chart(width, 0.62 * number("width", width, above=0.0))
+    figure, (axis,) = chart(6.4, 0.62 * 6.4)
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axis.axis("off")
     taken = set(pairwise(path))
@@ -56,8 +48,8 @@ def graph_picture(
             both = source in graph.get(target, {})
             colour = colours.unit(colours.PATH if (source, target) in taken else colours.FAINT)
             arrow = FancyArrowPatch(
-                places[source],
-                places[target],
+                _PLACES[source],
+                _PLACES[target],
                 connectionstyle=f"arc3,rad={-0.18 if both else 0.0}",
                 arrowstyle="-|>",
                 mutation_scale=14,
@@ -67,10 +59,10 @@ def graph_picture(
                 color=colour,
             )
             axis.add_patch(arrow)
-            beside = _beside(places[source], places[target], both)
+            beside = _beside(_PLACES[source], _PLACES[target], both)
             under = {"boxstyle": "round,pad=0.1", "color": "white", "alpha": 0.8}
             axis.text(*beside, f"{probability:g}", bbox=under, **_words(11))
-    for vertex, (x, y) in places.items():
+    for vertex, (x, y) in _PLACES.items():
         if vertex in graph:
             on = vertex in path
             tone = _tone(vertex, on)

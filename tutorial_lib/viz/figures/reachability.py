@@ -55,7 +55,8 @@ def draw_reliability(
         axis: to draw on.
         predicted: (B,) mean probability of each bin.
         measured: (B,) share of successes.
-        count: (B,) or one number, how many are in a bin; draws Wilson's 95 % intervals if given.
+        count: (B,) or one number, how many are in a bin; draws Wilson's 95 % intervals if given,
+            none for an empty bin.
         looks: of the line, such as label or color.
     """
     with_methods("axis", axis, "plot", "vlines", "set", "set_aspect")
@@ -70,7 +71,7 @@ def draw_reliability(
     looks = {"marker": "o", "markersize": 6, "clip_on": False, **looks}
     (line,) = axis.plot(predicted, measured, zorder=3, **looks)
     if count is not None:
-        low, high = _interval(measured, np.broadcast_to(count, measured.shape))
+        low, high = _interval(measured, np.where(count > 0, count, np.nan))
         axis.vlines(predicted, low, high, colors=line.get_color(), linewidth=1.2, zorder=2)
     axis.set(xlim=(0, 1), ylim=(0, 1), xlabel="predicted probability", ylabel="share reached")
     axis.set_aspect("equal")
@@ -104,7 +105,7 @@ def along_trajectory(
 
 
 def _interval(share: NDArray, count: NDArray) -> tuple[NDArray, NDArray]:
-    """Wilson's 95 % interval of shares (B,) of `count` (B,)."""
+    """Wilson's 95 % interval of shares (B,) of `count` (B,) or one number."""
     middle = share + _Z**2 / (2 * count)
     half = _Z * np.sqrt(share * (1 - share) / count + _Z**2 / (4 * count**2))
     return (middle - half) / (1 + _Z**2 / count), (middle + half) / (1 + _Z**2 / count)

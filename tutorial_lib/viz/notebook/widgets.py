@@ -25,21 +25,7 @@ from tutorial_lib.viz.notebook.teleoperation import (
     TeleopController,
     presses_of,
     still_strip,
-    teleop_picture,
 )
-
-__all__ = [
-    "PressPanel",
-    "Shell",
-    "SliderPanel",
-    "TeleopController",
-    "TeleopPanel",
-    "presses",
-    "sliders",
-    "teleop",
-    "teleop_picture",
-]
-
 
 KEYS = {
     ("ArrowUp", False): "forward",
