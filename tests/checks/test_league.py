@@ -9,10 +9,7 @@ COLUMNS = {"paths": "d", "wormholes": "d", "score": "d"}
 BASELINES = {"the paper's": (24, 5, -1), "none": (7, 1, 2)}
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(my_answers.FOLDER, str(tmp_path / "mine"))
-    return tmp_path / "mine"
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def names(table):

@@ -57,12 +57,6 @@ def named(function):
     return function
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(my_answers.FOLDER, str(tmp_path / "answers"))
-    return tmp_path / "answers"
-
-
 def test_a_passed_answer_is_saved_with_all_that_it_needs(folder, capsys):
     assert check_doubled.use(doubled) is doubled
     assert "saved in my_answers/" in capsys.readouterr().out
@@ -98,7 +92,7 @@ def test_wrong_answers_and_the_reference_are_not_saved(folder):
 def test_what_cannot_be_saved_passes_all_the_same(folder, capsys):
     assert check_doubled.use(doubled_from_afar) is doubled_from_afar
     assert "could not be saved" in capsys.readouterr().out
-    folder.parent.joinpath("answers").write_text("a file where the folder should be")
+    folder.write_text("a file where the folder should be")
     assert check_doubled.use(doubled) is doubled
     assert "could not be saved" in capsys.readouterr().out
 

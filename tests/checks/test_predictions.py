@@ -25,10 +25,7 @@ GIVEN = {
 }
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(my_answers.FOLDER, str(tmp_path / "mine"))
-    return tmp_path / "mine"
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def test_a_click_shows_the_choice_the_robot_and_why_a_wrong_answer_tempts(folder):

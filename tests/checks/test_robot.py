@@ -6,11 +6,7 @@ from tutorial_lib.checks import robot
 from tutorial_lib.checks.framework import my_answers, record
 from tutorial_lib.errors import InputError
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(my_answers.FOLDER, str(tmp_path / "mine"))
-    return tmp_path / "mine"
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def test_the_robot_has_the_name_that_it_was_given_last():
