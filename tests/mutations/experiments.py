@@ -1,112 +1,130 @@
 """Experiments: how trials end, what is counted, and how sure one is of it."""
 
-TABLE2 = "experiments/meng2020/test_table2.py"
-FAIR = "experiments/protocols/test_fair_inputs.py"
+from tests.mutations import changes
+
 MUTATIONS = [
-    (
-        "a part of the drives gets the thresholds of all",
-        "experiments/meng2020/table2.py",
-        "settings.thresholds.get(drives, Thresholds())",
-        "settings.thresholds.get('', Thresholds())",
-        f"{TABLE2} -k have_its_thresholds",
-    ),
-    (
-        "the thresholds of the tour are not those of the continuous one",
-        "experiments/meng2020/table2.py",
-        "TOUR if options.drives == CONTINUOUS else options.drives",
-        "options.drives",
-        f"{TABLE2} -k have_its_thresholds",
-    ),
+    *changes("""
+experiments/meng2020/table2.py | experiments/meng2020/test_table2.py -k have_its_thresholds
+a part of the drives gets the thresholds of all
+    settings.thresholds.get(drives, Thresholds()) -> settings.thresholds.get('', Thresholds())
+the thresholds of the tour are not those of the continuous one
+    TOUR if options.drives == CONTINUOUS else options.drives -> options.drives
+
+experiments/protocols/drives.py | experiments/protocols/test_drives.py
+a trial is driven where a drive passes the goal first
+    at_goal.any(axis=0) & (first <= last) -> at_goal.any(axis=0) & (first < len(drive))
+
+experiments/benchmarks/map_building.py | experiments/benchmarks/test_map_building.py
+the recall of the index counts edges of anchors that were replaced
+    (table[:, ~reused][:, :, ends] for table in above)
+        -> (table[:, reused | True] for table in above)
+
+experiments/protocols/navigation.py | experiments/protocols/test_fair_inputs.py -k true_poses
+robots that navigate have exact odometry
+    odometry = instance("building", building, Building).odometry.noise(NAVIGATING)
+        -> odometry = None
+
+experiments/protocols/navigation_tasks.py | experiments/protocols/test_fair_inputs.py -k true_poses
+recorded odometry is exact
+    odometry.noise(RECORDING) -> Odometry(drifts=False).noise(RECORDING)
+
+experiments/protocols/odometry.py | experiments/protocols/test_fair_inputs.py -k seed
+a robot navigates with the drift that it had while recording
+    DriftingOdometry(*self.seed, use) -> DriftingOdometry(*self.seed)
+
+experiments/protocols/navigation.py | experiments/meng2020/test_table2.py -k wormholes
+an edge is a wormhole at half the length
+    WORMHOLE = 5.0 -> WORMHOLE = 2.5
+
+driving/rollouts.py | experiments/meng2020/test_table2.py -k stuck
+touching is added up and never reset
+    touched + STEP, 0.0) -> touched + STEP, touched)
+
+experiments/protocols/navigation_tasks.py | experiments/meng2020/test_table2.py -k place
+the place drawn first is one of those to keep away from
+    far if step <= 1 else np.minimum(nearest, far) -> np.minimum(nearest, far)
+
+experiments/protocols/navigation_tasks.py | experiments/meng2020/test_table2.py -k look
+a car on a tight spot is placed along the path all the same
+    tried[is_free(scene, body, tried).argmax()] -> tried[0]
+
+experiments/common/statistics.py | experiments/common/test_statistics.py
+each world counts the same, however many episodes it has
+    sums[draws].sum(axis=1) / counts[draws].sum(axis=1) -> (sums / counts)[draws].mean(axis=1)
+differences are bootstrapped over episodes, not worlds
+    units if units.max() else np.arange(len(gap)) -> np.arange(len(gap))
+the interval of a share is not Wilson's
+    method="wilson" -> method="exact"
+
+experiments/meng2020/fig7.py | experiments/meng2020/test_fig7.py -k curve
+curves are compared where only one of them is
+    max(first[0, 0], second[0, 0]) -> min(first[0, 0], second[0, 0])
+
+experiments/protocols/reachability.py | experiments/meng2020/test_calibration_table.py -k far
+a pair of which one sees the other is far
+    (both < SEEN).all(axis=1) -> (both < SEEN).any(axis=1)
+
+experiments/protocols/moves.py | experiments/robustness/test_disturbances.py -k moved
+a robot is moved at every step near the place
+    near[robots] & (self.step[robots] < 0) -> near[robots]
+
+experiments/robustness/faults.py | experiments/meng2020/test_map_experiments.py -k block
+a path may be blocked where there is no other
+    < around <= DETOUR * straight -> < around
+
+experiments/results_page/tables.py | experiments/results_page/test_local_control_tables.py -k bold
+the oracle's success may be the best of a column
+    return lambda row: None if row[name] in bounds else row[key] -> return lambda row: row[key]
+
+experiments/results_page/tables.py | experiments/results_page/test_navigation_tables.py -k together
+success in all worlds together is the mean over worlds
+    "success": succeeded / trials} -> "success": sum(row["success"] for row in found) / len(found)}
+
+experiments/results_page/markdown.py | project/test_style.py -k doctests
+an interval without width is shown
+    if row[low] == row[high]: -> if row[low] > row[high]:
+
+experiments/results_page/section.py | experiments/results_page/test_sources.py -k damaged
+a damaged report is an error of the program
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        -> except OSError as error:
+
+experiments/protocols/directions.py | experiments/protocols/test_directions.py
+the lowest score chooses a direction
+    np.where(np.isfinite(metres), scores, -np.inf)
+        -> np.where(np.isfinite(metres), -scores, -np.inf)
+directions are not compared with their mean
+    return values - values.mean(axis=0) -> return values - values.mean()
+
+experiments/protocols/directions.py | experiments/protocols/test_directions.py -k depth
+signs are read where there are none
+    Depth(scene.plan) if signs else None -> Depth(scene.plan)
+
+experiments/nts/scores.py | experiments/nts/test_scores.py -k two_directions
+decisions without a choice count
+    level.any(axis=1) & (np.isfinite(metres).sum(axis=1) > 1) -> level.any(axis=1)
+
+experiments/nts/table2.py | experiments/nts/test_exploration_tables.py
+overall has no difficulty
+    (found["difficulty"] == number) | (difficulty == "overall") -> (found["difficulty"] == number)
+
+experiments/nts/fig8.py | experiments/nts/test_comparisons.py -k fig8_subtracts
+a gap is to the agent, not from it
+    difference(columns["nts"][name][:count].ravel(), values, repeated)
+        -> difference(values, columns["nts"][name][:count].ravel(), repeated)
+
+experiments/leaderboard.py | experiments/test_leaderboard.py -k ranks_own
+references of another run stand beside a class
+    one.seam in ("", seam) and one.run == (*run,) -> one.seam in ("", seam)
+the worst stands first
+    key=lambda one: -one.score -> key=lambda one: one.score
+"""),
     (
         "the least strict of the best thresholds is taken",
         "experiments/meng2020/table2_thresholds.py",
         '(row[by], row["threshold"])',
         '(row[by], -row["threshold"])',
         "experiments/meng2020/test_map_experiments.py -k best_threshold",
-    ),
-    (
-        "a trial is driven where a drive passes the goal first",
-        "experiments/protocols/drives.py",
-        "at_goal.any(axis=0) & (first <= last)",
-        "at_goal.any(axis=0) & (first < len(drive))",
-        "experiments/protocols/test_drives.py",
-    ),
-    (
-        "the recall of the index counts edges of anchors that were replaced",
-        "experiments/benchmarks/map_building.py",
-        "(table[:, ~reused][:, :, ends] for table in above)",
-        "(table[:, reused | True] for table in above)",
-        "experiments/benchmarks/test_map_building.py",
-    ),
-    (
-        "robots that navigate have exact odometry",
-        "experiments/protocols/navigation.py",
-        'odometry = instance("building", building, Building).odometry.noise(NAVIGATING)',
-        "odometry = None",
-        f"{FAIR} -k true_poses",
-    ),
-    (
-        "recorded odometry is exact",
-        "experiments/protocols/navigation_tasks.py",
-        "odometry.noise(RECORDING)",
-        "Odometry(drifts=False).noise(RECORDING)",
-        f"{FAIR} -k true_poses",
-    ),
-    (
-        "a robot navigates with the drift that it had while recording",
-        "experiments/protocols/odometry.py",
-        "DriftingOdometry(*self.seed, use)",
-        "DriftingOdometry(*self.seed)",
-        f"{FAIR} -k seed",
-    ),
-    (
-        "an edge is a wormhole at half the length",
-        "experiments/protocols/navigation.py",
-        "WORMHOLE = 5.0",
-        "WORMHOLE = 2.5",
-        f"{TABLE2} -k wormholes",
-    ),
-    (
-        "touching is added up and never reset",
-        "driving/rollouts.py",
-        "touched + STEP, 0.0)",
-        "touched + STEP, touched)",
-        f"{TABLE2} -k stuck",
-    ),
-    (
-        "the place drawn first is one of those to keep away from",
-        "experiments/protocols/navigation_tasks.py",
-        "far if step <= 1 else np.minimum(nearest, far)",
-        "np.minimum(nearest, far)",
-        f"{TABLE2} -k place",
-    ),
-    (
-        "a car on a tight spot is placed along the path all the same",
-        "experiments/protocols/navigation_tasks.py",
-        "tried[is_free(scene, body, tried).argmax()]",
-        "tried[0]",
-        f"{TABLE2} -k look",
-    ),
-    (
-        "each world counts the same, however many episodes it has",
-        "experiments/common/statistics.py",
-        "sums[draws].sum(axis=1) / counts[draws].sum(axis=1)",
-        "(sums / counts)[draws].mean(axis=1)",
-        "experiments/common/test_statistics.py",
-    ),
-    (
-        "differences are bootstrapped over episodes, not worlds",
-        "experiments/common/statistics.py",
-        "units if units.max() else np.arange(len(gap))",
-        "np.arange(len(gap))",
-        "experiments/common/test_statistics.py",
-    ),
-    (
-        "the interval of a share is not Wilson's",
-        "experiments/common/statistics.py",
-        'method="wilson"',
-        'method="exact"',
-        "experiments/common/test_statistics.py",
     ),
     (
         "what is seen after a collision counts",
@@ -130,88 +148,11 @@ MUTATIONS = [
         "experiments/meng2020/test_table1.py -k 'matched or noise_differs'",
     ),
     (
-        "curves are compared where only one of them is",
-        "experiments/meng2020/fig7.py",
-        "max(first[0, 0], second[0, 0])",
-        "min(first[0, 0], second[0, 0])",
-        "experiments/meng2020/test_fig7.py -k curve",
-    ),
-    (
-        "a pair of which one sees the other is far",
-        "experiments/protocols/reachability.py",
-        "(both < SEEN).all(axis=1)",
-        "(both < SEEN).any(axis=1)",
-        "experiments/meng2020/test_calibration_table.py -k far",
-    ),
-    (
-        "a robot is moved at every step near the place",
-        "experiments/protocols/moves.py",
-        "near[robots] & (self.step[robots] < 0)",
-        "near[robots]",
-        "experiments/robustness/test_disturbances.py -k moved",
-    ),
-    (
-        "a path may be blocked where there is no other",
-        "experiments/robustness/faults.py",
-        "< around <= DETOUR * straight",
-        "< around",
-        "experiments/meng2020/test_map_experiments.py -k block",
-    ),
-    (
-        "the oracle's success may be the best of a column",
-        "experiments/results_page/tables.py",
-        "return lambda row: None if row[name] in bounds else row[key]",
-        "return lambda row: row[key]",
-        "experiments/results_page/test_local_control_tables.py -k bold",
-    ),
-    (
-        "success in all worlds together is the mean over worlds",
-        "experiments/results_page/tables.py",
-        '"success": succeeded / trials}',
-        '"success": sum(row["success"] for row in found) / len(found)}',
-        "experiments/results_page/test_navigation_tables.py -k together",
-    ),
-    (
         "the greatest error of calibration is bold",
         "experiments/results_page/reachability.py",
         'least=key == "ece"',
         'least=key == "auc"',
         "experiments/results_page/test_reachability_and_following_tables.py -k calibration",
-    ),
-    (
-        "an interval without width is shown",
-        "experiments/results_page/markdown.py",
-        "if row[low] == row[high]:",
-        "if row[low] > row[high]:",
-        "project/test_style.py -k doctests",
-    ),
-    (
-        "a damaged report is an error of the program",
-        "experiments/results_page/section.py",
-        "except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:",
-        "except OSError as error:",
-        "experiments/results_page/test_sources.py -k damaged",
-    ),
-    (
-        "the lowest score chooses a direction",
-        "experiments/protocols/directions.py",
-        "np.where(np.isfinite(metres), scores, -np.inf)",
-        "np.where(np.isfinite(metres), -scores, -np.inf)",
-        "experiments/protocols/test_directions.py",
-    ),
-    (
-        "directions are not compared with their mean",
-        "experiments/protocols/directions.py",
-        "return values - values.mean(axis=0)",
-        "return values - values.mean()",
-        "experiments/protocols/test_directions.py",
-    ),
-    (
-        "signs are read where there are none",
-        "experiments/protocols/directions.py",
-        "Depth(scene.plan) if signs else None",
-        "Depth(scene.plan)",
-        "experiments/protocols/test_directions.py -k depth",
     ),
     (
         "the node before is forgotten where it is far",
@@ -235,45 +176,10 @@ MUTATIONS = [
         "experiments/common/test_own.py -k explorer",
     ),
     (
-        "decisions without a choice count",
-        "experiments/nts/scores.py",
-        "level.any(axis=1) & (np.isfinite(metres).sum(axis=1) > 1)",
-        "level.any(axis=1)",
-        "experiments/nts/test_scores.py -k two_directions",
-    ),
-    (
         "goals are the places themselves",
         "experiments/nts/scores.py",
         "    goal = goal + settings.places\n",
         "",
         "experiments/nts/test_scores.py -k two_directions",
-    ),
-    (
-        "overall has no difficulty",
-        "experiments/nts/table2.py",
-        '(found["difficulty"] == number) | (difficulty == "overall")',
-        '(found["difficulty"] == number)',
-        "experiments/nts/test_exploration_tables.py",
-    ),
-    (
-        "a gap is to the agent, not from it",
-        "experiments/nts/fig8.py",
-        'difference(columns["nts"][name][:count].ravel(), values, repeated)',
-        'difference(values, columns["nts"][name][:count].ravel(), repeated)',
-        "experiments/nts/test_comparisons.py -k fig8_subtracts",
-    ),
-    (
-        "references of another run stand beside a class",
-        "experiments/leaderboard.py",
-        'one.seam in ("", seam) and one.run == (*run,)',
-        'one.seam in ("", seam)',
-        "experiments/test_leaderboard.py -k ranks_own",
-    ),
-    (
-        "the worst stands first",
-        "experiments/leaderboard.py",
-        "key=lambda one: -one.score",
-        "key=lambda one: one.score",
-        "experiments/test_leaderboard.py -k ranks_own",
     ),
 ]
