@@ -162,7 +162,6 @@ DOORS = {
         second=three([0.5, 0.0, 1.0]),
         worlds=worlds(),
     ),
-    "in_points": lambda: call(statistics.in_points, found=floats([0.1, 0.0, 0.2], (3,), nan=True)),
     "wilson": lambda: call(statistics.wilson, values=three([1.0, 0.0, 1.0], **SHARE)),
 }
 

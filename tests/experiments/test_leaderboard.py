@@ -15,6 +15,7 @@ import tutorial_lib
 from tests.conftest import make_box
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.own import MEMBERS
+from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.leaderboard import (
     CONTESTS,
     LOCAL,
@@ -36,6 +37,11 @@ TEMPLATES = Path(tutorial_lib.__file__).parent / "templates"
 CLEAN = cache(local_control.clean_condition)
 """Makes the condition without noise; the same one is made once."""
 SHA = "0123456789abcdef" * 4
+
+
+def clean(place, count, options):
+    """The condition without noise alone, whatever else the options say."""
+    return {"clean": CLEAN(place, count, Options(seed=options.seed))}
 
 
 def row(success=0.5, condition="clean", low=0.25, high=0.75):
@@ -176,7 +182,7 @@ def small(tmp_path, monkeypatch):
     save_plan(make_box(), tmp_path / "room.json")
     monkeypatch.setattr(navigation, "GRACE", 1.0)
     room = table2.Settings(places_on_map=3, trials_of_part=2)
-    monkeypatch.setattr(table1, "conditions", lambda *given: {"clean": CLEAN(*given)})
+    monkeypatch.setattr(table1, "conditions", clean)
     for seam, contest in SEAMS.items():
         if contest is NAVIGATION:
             options = replace(contest.options, map=tmp_path / "room.json")

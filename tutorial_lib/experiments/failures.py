@@ -74,7 +74,7 @@ class Trip:
 
 def of_local_control(world: int, options: Options, settings: table1.Settings) -> Iterator[Trip]:
     """Trips of Table I in one world, without noise and obstacles."""
-    condition = local_control.clean_condition(world, settings.episodes, options.seed)
+    condition = local_control.clean_condition(world, settings.episodes, options)
     found = condition.run(table1.custom(options.agent))
     for robot in np.flatnonzero(~found.reached).tolist():
         poses, goal = _until(found.poses, found.seconds, robot), condition.episodes.goals[robot]

@@ -199,7 +199,8 @@ def test_controllers_and_predictors_drive_a_whole_system_too(own):
 @pytest.fixture(scope="module")
 def clean():
     """What makes the condition without noise; the same one is made once."""
-    return cache(local_control.clean_condition)
+    made = cache(local_control.clean_condition)
+    return lambda place, count, options: made(place, count, Options(seed=options.seed))
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import fig12, fig12_localization
 from tutorial_lib.experiments.protocols import navigation, navigation_tasks
 from tutorial_lib.experiments.protocols.lookalikes import Office
-from tutorial_lib.experiments.protocols.navigation import Outcome
+from tutorial_lib.experiments.protocols.navigation import Outcome, Result
 from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.world.scene import Scene
 
@@ -27,7 +27,8 @@ def attempt_of(*endings, wormholes=0):
     count = len(ending)
     outcome = Outcome(ending == "arrived", ending, np.ones(count), np.zeros(count), np.empty(0))
     none = np.zeros(count, dtype=bool)
-    return fig12.Attempt(outcome, ending == "gave_up", none, 10, 20, wormholes)
+    result = Result(outcome, (10, 20, wormholes))
+    return fig12.Attempt(result, ending == "gave_up", none)
 
 
 def run_with(monkeypatch, parts, options=None, settings=None):

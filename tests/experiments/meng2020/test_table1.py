@@ -31,7 +31,7 @@ CONDITIONS = {"clean", "noise", "obstacles", "shifted"}
 
 @pytest.fixture(scope="module")
 def course():
-    return local_control.conditions(WORLD, 12, seed=0)
+    return local_control.conditions(WORLD, 12, Options())
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -81,7 +81,7 @@ def test_all_conditions_share_their_starts_and_targets(course):
 
 @pytest.mark.full
 def test_the_clean_course_alone_is_the_same(course):
-    alone = local_control.clean_condition(WORLD, 12, seed=0).episodes
+    alone = local_control.clean_condition(WORLD, 12, Options()).episodes
     assert (alone.starts == course["clean"].episodes.starts).all()
     assert (alone.targets == course["clean"].episodes.targets).all()
 
@@ -155,7 +155,7 @@ def test_with_a_share_of_1_c_has_no_memory():
     settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0,), episodes=6)
     options = Options(worlds=(WORLD,), family="hall")
     found = table1_smoothing.run_world(WORLD, options, settings)["k0", 1.0]
-    condition = local_control.clean_condition(WORLD, 6, 0, "hall")
+    condition = local_control.clean_condition(WORLD, 6, options)
     usual = by_waypoints(WaypointNetwork("waypoint_k0"))
     assert (found == local_control.attempt(condition, usual)["reached"]).all()
     assert condition.episodes.recorded.scene.plan.family == "hall"

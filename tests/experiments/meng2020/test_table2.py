@@ -426,8 +426,7 @@ def test_edges_of_five_metres_and_more_are_wormholes(building):
     lengths = edge_lengths(building, agent.topomap)
     assert ((lengths > 2.6) & (lengths < 4.9)).sum() > 2
     assert (lengths > 5.1).sum() > 1
-    assert result.wormholes == (lengths > 5.0).sum()
-    assert (result.vertices, result.edges) == (count, count - 1)
+    assert result.size == (count, count - 1, (lengths > 5.0).sum())
     assert result.outcome.ending.tolist() == ["gave_up"]
 
 
@@ -578,7 +577,7 @@ def test_a_whole_agent_of_the_user_is_compared(building, trials, own):
     found = guarded(where, attempt, building, trials, agent)
     assert (found.outcome.ending == "gave_up").all()
     assert found.outcome.seconds == pytest.approx(np.full(10, 0.3))
-    assert found.vertices is found.edges is found.wormholes is None
+    assert found.size is None
 
 
 @networks
@@ -835,7 +834,7 @@ def test_maps_of_a_part_of_the_drives_have_its_thresholds(
         nothing = np.zeros(len(trials))
         ending = np.full(len(trials), "late")
         outcome = navigation.Outcome(nothing > 0, ending, nothing, nothing, nothing)
-        return navigation.Result(outcome, 1, 1, 0)
+        return navigation.Result(outcome, (1, 1, 0))
 
     monkeypatch.setattr(table2, "attempt", attempt)
     monkeypatch.setattr(table2, "part_of", lambda whole, *_: whole)

@@ -9,6 +9,7 @@ import numpy as np
 
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.ltvn_state import TravelSettings
+from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.remedies import Remedies
@@ -76,12 +77,17 @@ def meng(camera: Camera | None = None, **changed: Any) -> MengAgent:  # noqa: AN
     return MengAgent(**_shipped(camera, changed))
 
 
+def mending(**changed: Any) -> MendingMengAgent:  # noqa: ANN401 - any attribute
+    """The same with upkeep of its map, for the usual camera."""
+    return MendingMengAgent(**_shipped(None, changed))
+
+
 def remedied(
     name: str,
     camera: Camera | None = None,
     **changed: Any,  # noqa: ANN401 - any attribute
 ) -> RemedyAgent:
-    """The same with remedies for places that look alike, one of `REMEDIES`.
+    """Meng's agent with remedies for places that look alike, one of `REMEDIES`.
 
     Raises:
         InputError: for an unknown name.
@@ -101,14 +107,9 @@ def _shipped(camera: Camera | None, changed: Mapping[str, Any]) -> dict[str, Any
 
 def sptm(camera: Camera | None = None, **changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute
     """SPTM with the same controller and follower; `changed` replaces attributes."""
-    parts: dict[str, Any] = {
-        "similarity": ReachabilityNetwork(trained_for(SIMILARITY, camera)),
-        "predictor": WaypointNetwork(trained_for(WAYPOINT, camera)),
-        "controller": RMPController(),
-        "reachability": ReachabilityNetwork(trained_for(REACH, camera)),
-        "s_shortcut": S_SHORTCUT,
-    }
-    return SPTMAgent(**{**parts, **changed})
+    similarity = ReachabilityNetwork(trained_for(SIMILARITY, camera))
+    own = {"similarity": similarity, "s_shortcut": S_SHORTCUT}
+    return SPTMAgent(**_shipped(camera, {**own, **changed}))
 
 
 def ltvn(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the agent

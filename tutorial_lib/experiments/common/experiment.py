@@ -15,7 +15,7 @@ import joblib
 
 from tutorial_lib.course import cache_folder
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import ROUND, Finding, Notes, Options, Report, Rows
+from tutorial_lib.experiments.common.report import Finding, Notes, Options, Report, Rows
 from tutorial_lib.parallel import resumable
 
 STANDARD = "standard"
@@ -141,20 +141,10 @@ class Experiment:
         """Refuse by name whatever would have no effect."""
         if options.seed < 0:
             raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
-        given = {
-            "map": options.map is not None,
-            "palette": options.palette != STANDARD,
-            "family": bool(options.family),
-            "agent": bool(options.agent),
-            "odometry": not options.drifts,
-            "drives": bool(options.drives),
-            "starts": bool(options.starts),
-            "goals": bool(options.goals),
-            "remedies": bool(options.remedies),
-            "goal-images": bool(options.goal_images),
-            "body": options.body != ROUND,
-            "robot": bool(options.robot),
-        }
+        usual, given = Options(), dict[str, bool]()
+        for name in OPTIONAL:
+            field_name = name.replace("-", "_")
+            given[name] = getattr(options, field_name) != getattr(usual, field_name)
         for name, is_given in given.items():
             if is_given and name not in self.accepts:
                 known = ", ".join(self.options()) or "none but --seed, --quick and --json"

@@ -26,8 +26,7 @@ from tutorial_lib.learning.exploration_policies import (
     LearnedImitation,
     with_pairs,
 )
-from tutorial_lib.learning.reinforcement_network import ReinforcementNetwork
-from tutorial_lib.learning.reinforcement_policy import LearnedReinforcement
+from tutorial_lib.learning.reinforcement_network import LearnedReinforcement, ReinforcementNetwork
 from tutorial_lib.learning.weights import FOLDER
 
 AGENTS = {
@@ -56,19 +55,15 @@ BY_REINFORCEMENT = ("target_rl", "map_rl")
 _FINE = {"directions": 24, "radius": 2.0}
 """Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
 _SETTINGS = {
-    "nts": NTSSettings(),
-    "nts_blind": NTSSettings(),
-    "nts_histogram": NTSSettings(),
     "nts_no_graph": NTSSettings(use_graph=False),
     "nts_no_score": NTSSettings(use_score=False),
     "nts_2m": NTSSettings(**_FINE),
-    "nts_masked": NTSSettings(),
     "nts_all_nodes": NTSSettings(localisation=Localisation(all_nodes=True)),
     "nts_by_odometry": NTSSettings(localisation=Localisation(edges_by_odometry=True)),
     "nts_no_ghost_nodes": NTSSettings(localisation=Localisation(nodes_at_ghosts=False)),
     "nts_paper": NTSSettings(localisation=PAPER),
 }
-"""Of the agents with ghost nodes, by their name."""
+"""Of the agents with ghost nodes, by their name; the usual ones of others."""
 _SCORED_BY = {
     "nts_blind": "nts_blind",
     "nts_masked": "nts_masked",
@@ -129,7 +124,7 @@ def make_explorer(
         model = ScoresOf(model, shipped(_SCORED_BY[name], sensor))
     elif name == "nts_histogram":
         model = HistogramScores(model)
-    return NTSAgent(model, rng, _SETTINGS[name])
+    return NTSAgent(model, rng, _SETTINGS.get(name))
 
 
 def own_explorer(where: str) -> ExplorerAgent:

@@ -24,24 +24,15 @@ from tutorial_lib.world.sensors import Camera
 
 CUSTOM = "custom"
 """The name of its rows."""
+_TARGETS = {"view": None, "k": None, "prepare": "contexts"}
 MEMBERS = {
     "agent": {"learn": "experiences", "start": "goals"},
     "explorer": {"start": "goals", "act": "observations, running"},
     "planner": {"plan": "observation, goals, topomap, excluded"},
     "localizer": {"localize": "observations, topomap"},
     "reachability": {"prepare": "targets", "probability": "observations, prepared"},
-    "predictor": {
-        "view": None,
-        "k": None,
-        "prepare": "contexts",
-        "predict": "observations, targets",
-    },
-    "local controller": {
-        "view": None,
-        "k": None,
-        "prepare": "contexts",
-        "act": "observations, targets",
-    },
+    "predictor": {**_TARGETS, "predict": "observations, targets"},
+    "local controller": {**_TARGETS, "act": "observations, targets"},
     "controller": {"act": "observations, waypoints"},
 }
 """What a class can be, see `tutorial_lib.interfaces`, and the members that make it that: what each

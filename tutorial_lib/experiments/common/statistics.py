@@ -99,16 +99,6 @@ def difference(
     return _bootstrapped(gap, units if units.max() else np.arange(len(gap)))
 
 
-def in_points(found: tuple[float, float, float]) -> str:
-    """A difference of shares and its interval as text.
-
-    >>> in_points((0.021, -0.004, 0.05))
-    '+2.1 points (-0.4 to +5.0)'
-    """
-    mean, low, high = 100 * floats("found", found, (3,), nan=True)
-    return f"{mean:+.1f} points ({low:+.1f} to {high:+.1f})"
-
-
 def wilson(values: Array) -> tuple[float, float, float]:
     """Share of successes among `values` (N,), each 0 or 1, and Wilson's 95 % interval."""
     values = floats("values", values, ("N",), least=0.0, most=1.0, empty=False)

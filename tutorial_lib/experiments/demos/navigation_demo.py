@@ -312,13 +312,5 @@ def drive(
     sensors: Sensors | None = None,
 ) -> Drive:
     """Drive a task, and say how it went; the robot's plans are read when it is over."""
-    started: list[Simulation] = []
-
-    def begin(simulation: Simulation) -> Navigation:
-        started.append(simulation)
-        return start(simulation)
-
-    found = navigate(task.building, task.trial, begin, task.people, recorder, sensors)
-    ending = drive_ending(found, plans)
-    recorder.finish(started[0], ending)
-    return recorder.drive(started[0], reached=bool(found.there[0]), ending=ending)
+    found = navigate(task.building, task.trial, start, task.people, recorder, sensors)
+    return recorder.finish(reached=bool(found.there[0]), ending=drive_ending(found, plans))

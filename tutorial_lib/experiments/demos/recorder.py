@@ -55,6 +55,8 @@ class FilmRecorder:
         moments: for the film.
     """
 
+    _simulation: Simulation
+
     def __init__(
         self,
         make_moment: Callable[[Simulation, Array], Moment],
@@ -75,20 +77,23 @@ class FilmRecorder:
     ) -> None:
         """See `driving.rollouts.Record`."""
         del robots, observations, actions
+        self._simulation = simulation
         self.track.append(simulation.poses[0, :2])
         if len(self.track) % EVERY == 1:
             self._add(simulation)
 
-    def finish(self, simulation: Simulation, ending: str) -> None:
-        """Add the last moment, which says how it ended and stays on screen for two seconds."""
+    def finish(self, *, reached: bool, ending: str) -> Drive:
+        """Add the last moment, which says how it ended and stays on screen for two seconds.
+
+        Returns:
+            How the rollout went.
+        """
+        simulation = self._simulation
         self.track.append(simulation.poses[0, :2])
         last = replace(self._make_moment(simulation, np.array(self.track)), ending=ending)
         for _ in range(round(2 * FILM_RATE)):
             self.moments.append(last)
             self._watch(last)
-
-    def drive(self, simulation: Simulation, *, reached: bool, ending: str) -> Drive:
-        """How the rollout went."""
         return Drive(
             reached=reached,
             ending=ending,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import shortest_path
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
@@ -219,14 +220,10 @@ def place_people(path: Array, scene: Scene) -> list[Person]:
 
 def doors_between(plan: FloorPlan) -> Array:
     """(R, R) the least number of doors between every two rooms; inf where there is none."""
-    count = len(plan.rooms)
-    doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
+    joined = np.zeros((len(plan.rooms),) * 2)
     for door in plan.doors:
-        first, second = door.rooms
-        doors[first, second] = doors[second, first] = 1.0
-    for between in range(count):
-        doors = np.minimum(doors, doors[:, between, None] + doors[None, between])
-    return doors
+        joined[door.rooms] = 1.0
+    return shortest_path(joined, directed=False, unweighted=True)
 
 
 def _doors(

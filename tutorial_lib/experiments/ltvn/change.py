@@ -36,7 +36,6 @@ from tutorial_lib.experiments.ltvn.lifelong import (
     NETWORK,
     ORACLE,
     learned_meng,
-    mending_meng,
     prepared_agent,
 )
 from tutorial_lib.experiments.protocols.drives import part_of
@@ -53,7 +52,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
-from tutorial_lib.experiments.protocols.obstacles import BODY, across_door, paths_around
+from tutorial_lib.experiments.protocols.obstacles import across_door, path_left, paths_around
 from tutorial_lib.geometry import Array, distance_to_segments
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
@@ -226,7 +225,7 @@ def learned(building: Building, name: str) -> LTVNAgent | MengAgent:
     """An agent that has learned a building."""
     if name in (MENDING, FROZEN):
         return prepared_agent(building, name, NETWORK)
-    return mending_meng(building) if name == MENDING_MENG else learned_meng(building)
+    return learned_meng(building, mends=name == MENDING_MENG)
 
 
 def _queries(
@@ -306,20 +305,16 @@ def _around(whole: Building, places: Array, pairs: NDArray[np.intp]) -> dict[int
 
 def _is_learned(graph: nx.DiGraph, poses: Array, places: Array, drive: Trajectory) -> bool:
     """Whether a map has a path that leads through nobody and begins and ends as a drive does."""
-    edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
-    segments = np.hstack([poses[edges[:, 0], :2], poses[edges[:, 1], :2]])
-    gap = distance_to_segments(places, segments).min(axis=0)
-    left = nx.DiGraph(edges[gap > Person.radius + BODY].tolist())
     begins, ends = (
-        {v for v in left if np.hypot(*(poses[v] - pose)[:2]) < 1.0 and _alike(poses[v], pose)}
+        (np.hypot(*(poses - pose)[:, :2].T) < 1.0) & _alike(poses, pose)
         for pose in drive.poses[[0, -1]]
     )
-    reached = set().union(*(nx.descendants(left, v) | {v} for v in begins))
-    return bool(reached & ends)
+    return path_left(graph, poses, places, begins, ends)
 
 
-def _alike(pose: Array, other: Array) -> bool:
-    return bool(abs(wrap(pose[2] - other[2])) <= ALIKE)
+def _alike(poses: Array, pose: Array) -> NDArray[np.bool_]:
+    """Which poses (V, 3), or whether a single one (3,), face as another one does."""
+    return np.abs(wrap(poses[..., 2] - pose[2])) <= ALIKE
 
 
 def _detours(whole: Building, trials: Trials, door: Doorway) -> Array:

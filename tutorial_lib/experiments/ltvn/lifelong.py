@@ -7,11 +7,11 @@ run with true perception, so that errors of the model and of the maintenance can
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-import networkx as nx
 import numpy as np
 
 from tutorial_lib.agents.ltvn import LTVNAgent
@@ -32,11 +32,11 @@ from tutorial_lib.experiments.protocols.lifelong import (
     run_queries,
 )
 from tutorial_lib.experiments.protocols.navigation import (
-    WORMHOLE,
     attempt,
     experiences,
     measured,
     navigate,
+    sizes_of,
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -55,6 +55,8 @@ from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 NETWORK, ORACLE = PERCEPTIONS = ("network", "oracle")
 WORLDS = tuple(range(20_000, 20_008))
 """Three of them are loop corridors, where places look alike."""
+MAP = MapSettings(p_edge=CHOSEN[TOUR].p_edge)
+"""Of Meng's map, for one tour."""
 MENDING, FROZEN = "ltvn", "frozen"
 MENDING_MENG, FROZEN_MENG, MENG = "meng_mending", "meng_frozen", "meng"
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -95,10 +97,6 @@ class Settings:
     def queries(self) -> int:
         """That are drawn in each building."""
         return max(count for _, _, count in self.agents)
-
-
-ABLATED = Settings(tuple((name, NETWORK, 100) for name in VARIANTS))
-OF_MENG = Settings(tuple((name, NETWORK, 500) for name in (MENDING_MENG, FROZEN_MENG)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,14 +153,11 @@ def lived(item: tuple[int, str, str, int], seed: int, settings: Settings) -> Liv
         goals = trials.goal_poses
         outcome = navigate(building, trials, lambda sim: OracleNavigation(sim, whole.paths, goals))
         return Lived(outcome.success.astype(float))
-    limits = CHOSEN[TOUR]
-    made = agents.sptm(s_shortcut=limits.s_shortcut) if name == "sptm" else _meng()
+    shortcut = CHOSEN[TOUR].s_shortcut
+    made = agents.sptm(s_shortcut=shortcut) if name == "sptm" else agents.meng(settings=MAP)
     result = attempt(building, trials, made)
-    blocks = len(trials) // settings.block
-    return Lived(
-        result.outcome.success.astype(float),
-        [result.size] * blocks,
-    )
+    sizes = [result.size] * (len(trials) // settings.block) if result.size else None
+    return Lived(result.outcome.success.astype(float), sizes)
 
 
 @lru_cache(maxsize=1)
@@ -186,7 +181,7 @@ def _in_fleets(building: Building, trials: Trials, settings: Settings, *, mends:
 
     A robot's odometry drifts by its number in the fleet, so that both have fleets.
     """
-    agent = mending_meng(building) if mends else learned_meng(building)
+    agent = learned_meng(building, mends=mends)
     success, sizes = [], []
     for first in range(0, len(trials), settings.fleet):
         some = trials.subset(np.arange(first, min(first + settings.fleet, len(trials))))
@@ -199,23 +194,11 @@ def _in_fleets(building: Building, trials: Trials, settings: Settings, *, mends:
     return Lived(np.concatenate(success), sizes)
 
 
-def mending_meng(building: Building) -> MendingMengAgent:
-    """Meng's agent with upkeep that has learned a building."""
-    parts, plain = ("predictor", "controller", "reachability", "settings"), _meng()
-    agent = MendingMengAgent(**{part: getattr(plain, part) for part in parts})
+def learned_meng(building: Building, *, mends: bool = False) -> MengAgent:
+    """Meng's agent that has learned a building, with upkeep or with a map that stays as it is."""
+    agent = (agents.mending if mends else agents.meng)(settings=MAP)
     agent.learn(list(experiences(building)))
     return agent
-
-
-def learned_meng(building: Building) -> MengAgent:
-    """Meng's agent that has learned a building; its map stays as it is."""
-    agent = _meng()
-    agent.learn(list(experiences(building)))
-    return agent
-
-
-def _meng() -> MengAgent:
-    return agents.meng(settings=MapSettings(p_edge=CHOSEN[TOUR].p_edge))
 
 
 def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
@@ -251,13 +234,6 @@ def mended(
         success.append(outcome.success.astype(float))
         sizes.append(sizes_of(building, agent.sampled.graph, image_poses(building, agent)))
     return Lived(np.concatenate(success), sizes)
-
-
-def sizes_of(building: Building, graph: nx.DiGraph, poses: Array) -> tuple[int, int, int]:
-    """Vertices, edges and wormholes of a map whose images were taken at poses (M, 3)."""
-    edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
-    gap = building.paths.between(poses[edges[:, 0], :2], poses[edges[:, 1], :2])
-    return len(graph), len(edges), int((gap > WORMHOLE).sum())
 
 
 def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: Settings) -> Rows:
@@ -301,6 +277,23 @@ def _differences(
     return differences
 
 
+def _ablation(name: str, compared: Iterable[str], count: int) -> Experiment:
+    """Agents with the networks, each with so many queries."""
+
+    def of(queries: int, **more: int) -> Settings:
+        return Settings(tuple((agent, NETWORK, queries) for agent in compared), **more)
+
+    return Experiment(
+        f"ltvn_lifelong_{name}",
+        run,
+        WORLDS,
+        WORLDS[:2],
+        settings=of(count),
+        quick_settings=of(100, block=20, fleet=20),
+        canary=of(2, block=2, fleet=2),
+    )
+
+
 QUICK = Settings(
     (
         *((name, perception, 100) for perception in PERCEPTIONS for name in (MENDING, FROZEN)),
@@ -322,28 +315,7 @@ EXPERIMENT = Experiment(
         fleet=2,
     ),
     ablations={
-        "parts": Experiment(
-            "ltvn_lifelong_parts",
-            run,
-            WORLDS,
-            WORLDS[:2],
-            settings=ABLATED,
-            quick_settings=replace(ABLATED, block=20, fleet=20),
-            canary=Settings(tuple((name, NETWORK, 2) for name in VARIANTS), block=2, fleet=2),
-        ),
-        "meng": Experiment(
-            "ltvn_lifelong_meng",
-            run,
-            WORLDS,
-            WORLDS[:2],
-            settings=OF_MENG,
-            quick_settings=replace(
-                OF_MENG,
-                agents=tuple((*agent[:2], 100) for agent in OF_MENG.agents),
-                block=20,
-                fleet=20,
-            ),
-            canary=Settings(tuple((*agent[:2], 2) for agent in OF_MENG.agents), block=2, fleet=2),
-        ),
+        "parts": _ablation("parts", VARIANTS, 100),
+        "meng": _ablation("meng", (MENDING_MENG, FROZEN_MENG), 500),
     },
 )

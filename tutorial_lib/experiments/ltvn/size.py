@@ -22,10 +22,10 @@ from tutorial_lib.experiments.ltvn.lifelong import (
     Lived,
     families,
     prepared_agent,
-    sizes_of,
 )
 from tutorial_lib.experiments.protocols.drives import TOUR, part_of
 from tutorial_lib.experiments.protocols.lifelong import image_poses, run_queries
+from tutorial_lib.experiments.protocols.navigation import sizes_of
 from tutorial_lib.experiments.protocols.navigation_tasks import draw_trials, make_building
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.sampling_map import build

@@ -21,22 +21,18 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Finding, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.meng2020 import fig12_localization
-from tutorial_lib.experiments.protocols.lookalikes import (
-    TWINS,
-    UNIQUE,
-    draw_ambiguous_trials,
-    make_office,
-)
+from tutorial_lib.experiments.protocols.lookalikes import draw_ambiguous_trials, make_office
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
     ONE,
-    WORMHOLE,
     K,
-    Outcome,
-    edge_lengths,
+    Result,
     experiences,
     goals_of,
     navigate,
+    sizes_of,
+    total_size,
+    vertex_poses,
 )
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
@@ -52,14 +48,10 @@ class Settings:
     Attributes:
         trials: in each office.
         remedies: rows of the table, unless `--remedies` names one.
-        twins: places of an office in rooms that have a twin.
-        unique: places in rooms that have none.
     """
 
     trials: int = 50
     remedies: tuple[str, ...] = REMEDIES
-    twins: int = TWINS
-    unique: int = UNIQUE
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,20 +59,14 @@ class Attempt:
     """How the trials of one office ended with some remedies.
 
     Attributes:
-        outcome: of the trials.
+        result: of the trials.
         lost: (N,) which robots said that they were lost.
         circled: (N,) which robots came to some vertex more than `ENDLESS` times.
-        vertices: of the map.
-        edges: of the map.
-        wormholes: edges longer than `WORMHOLE`.
     """
 
-    outcome: Outcome
+    result: Result
     lost: NDArray[np.bool_]
     circled: NDArray[np.bool_]
-    vertices: int
-    edges: int
-    wormholes: int
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
@@ -96,9 +82,7 @@ def run_world(
     world: int, options: Options, settings: Settings, names: tuple[str, ...]
 ) -> dict[str, Attempt]:
     """All choices of remedies in one office."""
-    office = make_office(
-        world, options.seed, settings.twins, settings.unique, drifts=options.drifts
-    )
+    office = make_office(world, options.seed, drifts=options.drifts)
     building = office.building
     rng = np.random.default_rng([options.seed, world, 8])
     trials = draw_ambiguous_trials(office, settings.trials, rng)
@@ -115,20 +99,15 @@ def run_world(
         agent = learned[remedies.sequence].with_remedies(remedies)
         navigation = agent.start(goals)
         outcome = navigate(building, trials, lambda _, started=navigation: started)
-        long = edge_lengths(building, agent.topomap) > WORMHOLE
-        found[name] = Attempt(
-            outcome,
-            navigation.lost,
-            navigation.visits.max(axis=1) > ENDLESS,
-            len(agent.topomap),
-            len(long),
-            int(long.sum()),
-        )
+        size = sizes_of(building, agent.topomap.graph, vertex_poses(building, agent.topomap))
+        circled = navigation.visits.max(axis=1) > ENDLESS
+        found[name] = Attempt(Result(outcome, size), navigation.lost, circled)
     return found
 
 
 def _row(name: str, parts: list[Attempt], world: NDArray[np.intp]) -> dict[str, Any]:
     success, low, high = over_worlds(_success(parts), world)
+    vertices, edges, wormholes = total_size([part.result for part in parts])
     row: dict[str, Any] = {
         "remedy": name,
         "goal_images": ONE,
@@ -136,14 +115,14 @@ def _row(name: str, parts: list[Attempt], world: NDArray[np.intp]) -> dict[str, 
         "success": success,
         "low": low,
         "high": high,
+        "wormholes": wormholes,
+        "edges": edges,
+        "vertices": vertices,
     }
-    row |= {
-        what: sum(getattr(part, what) for part in parts)
-        for what in ("wormholes", "edges", "vertices")
-    }
+    outcomes = [part.result.outcome for part in parts]
     columns = {
-        "wrong_place": [part.outcome.wrong for part in parts],
-        **{end: [part.outcome.ending == end for part in parts] for end in ENDINGS[1:]},
+        "wrong_place": [one.wrong for one in outcomes],
+        **{end: [one.ending == end for one in outcomes] for end in ENDINGS[1:]},
         "lost": [part.lost for part in parts],
         "circled": [part.circled for part in parts],
     }
@@ -151,7 +130,7 @@ def _row(name: str, parts: list[Attempt], world: NDArray[np.intp]) -> dict[str, 
 
 
 def _success(parts: list[Attempt]) -> NDArray[np.float64]:
-    return np.concatenate([part.outcome.success for part in parts]).astype(float)
+    return np.concatenate([part.result.outcome.success for part in parts]).astype(float)
 
 
 def _differences(

@@ -68,7 +68,8 @@ def run_world(world: int, options: Options, settings: Settings) -> Rows:
     agent, before, rows = agents.meng(), 0, []
     for experience, frames in repeated_drives(building, settings.frames, settings.at_once, rng):
         agent.learn([experience])
-        due = _due(before, min(frames, settings.frames), settings.interval)
+        next_row = (before // settings.interval + 1) * settings.interval
+        due = range(next_row, min(frames, settings.frames) + 1, settings.interval)
         rows += [_row(world, count, agent) for count in due]
         before = frames
     return rows
@@ -110,21 +111,9 @@ def more_trajectories(
     starts, _ = perturbed(building.scene, poses, PAPER_PERTURBATION, rng)
     goals = building.places[building.pairs[chosen, 1]]
     odometry = replace(building.odometry, seed=(*building.odometry.seed, frames))
-    made = demonstrate_between(
-        building.name,
-        building.scene,
-        building.paths,
-        starts,
-        goals,
-        0,
-        odometry.noise(RECORDING),
-    )
+    where, noise = (building.name, building.scene, building.paths), odometry.noise(RECORDING)
+    made = demonstrate_between(*where, starts, goals, 0, noise)
     return RecordedWorld(building.scene, [part for part in made if long_enough(part)])
-
-
-def _due(before: int, now: int, interval: int) -> range:
-    """The numbers of frames at which a row is due."""
-    return range((before // interval + 1) * interval, now + 1, interval)
 
 
 def _row(world: int, frames: int, agent: Any) -> dict[str, Any]:  # noqa: ANN401

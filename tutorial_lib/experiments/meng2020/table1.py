@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -71,14 +72,13 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
 
     With `options.map` the only world is that file's, and there is no shifted palette.
     """
-    places: list[Any] = [*options.worlds]
-    count = settings.episodes
+    places: list[int | Path] = [*options.worlds]
     if options.map is not None:
-        places, count = [options.map], settings.map_episodes
+        places = [options.map]
+        settings = replace(settings, episodes=settings.map_episodes)
     if options.agent:  # a faulty one is refused before any rollout
         custom(options.agent)
-    given = places, count, options, settings.controllers
-    parts = for_each(run_world, *given, label="meng_table1")
+    parts = for_each(run_world, places, options, settings, label="meng_table1")
     faults = [fault for _, fault in parts if fault]
     results = _joined([found for found, _ in parts])
     if faults:
@@ -87,24 +87,20 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
 
 
 def run_world(
-    place: Any,  # noqa: ANN401
-    count: int,
-    options: Options,
-    names: tuple[str, ...] | None = None,
+    place: int | Path, options: Options, settings: Settings
 ) -> tuple[Results, Fault | None]:
     """Run every controller under every condition in one world; also how the user's own failed.
 
     Args:
         place: seed of a generated world, or a map's file.
-        count: episodes.
-        options: have the seed of trajectories, episodes and noise.
-        names: of the controllers; all of them if None.
+        options: have the seed of trajectories, episodes and noise, and the family.
+        settings: the controllers, and how many episodes.
     """
     found: Results = {}
     known = controllers(seeds_of(place, options.seed))
-    factories = {name: known[name] for name in (known if names is None else names)}
-    given, fault = (place, count, options.seed, options.family, options.region), None
-    for name, condition in conditions(*given).items():
+    names = known if settings.controllers is None else settings.controllers
+    factories, fault = {name: known[name] for name in names}, None
+    for name, condition in conditions(place, settings.episodes, options).items():
         if options.agent and fault is None:
             own = or_fault(options.agent, lambda c: attempt(c, custom(options.agent)), condition)
             if isinstance(own, Fault):

@@ -87,7 +87,7 @@ def run(
     record_for(max(variants, key=lambda recipe: recipe.worlds), WORK)
     trained = for_each(_train, variants, label="training", jobs=2)
     predictors = [network for network, _ in trained]
-    parts = for_each(run_world, worlds, predictors, count, options.seed, label="ablation")
+    parts = for_each(run_world, worlds, predictors, count, options, label="ablation")
     world = np.repeat(np.arange(len(worlds)), count)
     outcomes = [np.concatenate(found) for found in zip(*parts, strict=True)]
     rows: Rows = []
@@ -126,9 +126,11 @@ def _train(recipe: Recipe) -> tuple[WaypointNetwork, Any]:
     return WaypointNetwork(network), card
 
 
-def run_world(world: int, predictors: list[WaypointNetwork], count: int, seed: int) -> list[Array]:
+def run_world(
+    world: int, predictors: list[WaypointNetwork], count: int, options: Options
+) -> list[Array]:
     """Whether each variant reached each target of one world."""
-    condition = clean_condition(world, count, seed)
+    condition = clean_condition(world, count, options)
     return [
         attempt(condition, by_waypoints(p), Sensors(camera=p.view.camera))["reached"]
         for p in predictors

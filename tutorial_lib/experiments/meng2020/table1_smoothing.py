@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
@@ -41,9 +41,10 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
 
     With `options.map` the only world is that file's.
     """
-    places: list[Any] = [*options.worlds]
+    places: list[int | Path] = [*options.worlds]
     if options.map is not None:
-        places, settings = [options.map], replace(settings, episodes=settings.map_episodes)
+        places = [options.map]
+        settings = replace(settings, episodes=settings.map_episodes)
     parts = for_each(run_world, places, options, settings, label="smoothing")
     rows: Rows = []
     gains = []
@@ -61,9 +62,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[Finding]]:
 
 
 def run_world(
-    place: Any,  # noqa: ANN401
-    options: Options,
-    settings: Settings,
+    place: int | Path, options: Options, settings: Settings
 ) -> dict[tuple[str, float], Array]:
     """Whether each controller reached each target of one world, by its name and the share.
 
@@ -72,8 +71,7 @@ def run_world(
         options: have the seed of trajectories and episodes, and the family.
         settings: the controllers, the shares and how many episodes.
     """
-    world = (place, settings.episodes, options.seed, options.family, options.region)
-    condition = clean_condition(*world)
+    condition = clean_condition(place, settings.episodes, options)
     found = {}
     for name in settings.controllers:
         predictor = WaypointNetwork(CONTROLLERS[name])

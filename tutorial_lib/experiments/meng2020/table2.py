@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     Result,
     attempt,
     navigate,
+    total_size,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     CAR,
@@ -104,7 +106,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     """Let every agent learn every world, and run the same trials with each."""
     if options.agent and options.quick and not options.drives:
         options = replace(options, drives=QUICK_DRIVES)
-    places: list[Any] = [*options.worlds] if options.map is None else [options.map]
+    places: list[int | Path] = [*options.worlds] if options.map is None else [options.map]
     # What is faulty or missing is refused before any rollout.
     camera = load_robot(options.robot)[1] if options.robot else None
     if camera is not None:
@@ -125,13 +127,13 @@ def run(options: Options, settings: Settings) -> tuple[Rows, Notes]:
     return rows, [*_notes(parts, options.drives), *faults[:1]]
 
 
-def run_world(place: Any, options: Options, settings: Settings) -> InWorld:  # noqa: ANN401
+def run_world(place: int | Path, options: Options, settings: Settings) -> InWorld:
     """All agents in one world, one after the other."""
     return _together(place, options, settings, _in_turn)
 
 
 def _together(
-    place: Any,  # noqa: ANN401
+    place: int | Path,
     options: Options,
     settings: Settings,
     each: Callable[..., list[Any]],
@@ -168,9 +170,7 @@ def _together(
 
 
 def task_of(
-    place: Any,  # noqa: ANN401
-    options: Options,
-    settings: Settings,
+    place: int | Path, options: Options, settings: Settings
 ) -> tuple[Building, Building, Trials]:
     """One world: with the drives that agents learn, with all of them, and the trials."""
     body, camera = load_robot(options.robot) if options.robot else (CAR, Camera())
@@ -198,7 +198,7 @@ def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label:
     return list(found if sys.stderr.isatty() else lines_of_progress(found, len(items), label))
 
 
-def _row(place: Any, options: Options, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401
+def _row(place: int | Path, options: Options, part: InWorld, method: str) -> dict[str, Any]:
     found = part.results[method]
     outcome = found.outcome
     success, low, high = wilson(outcome.success.astype(float))
@@ -207,9 +207,7 @@ def _row(place: Any, options: Options, part: InWorld, method: str) -> dict[str, 
         **part.columns,
         "method": method,
         "goal_images": options.goal_images or ONE,
-        "vertices": found.vertices,
-        "edges": found.edges,
-        "wormholes": found.wormholes,
+        **dict(zip(("vertices", "edges", "wormholes"), found.size or (None,) * 3, strict=True)),
         "trials": len(outcome.success),
         "success": success,
         "low": low,
@@ -253,10 +251,7 @@ def _notes(parts: Sequence[InWorld], drives: str) -> list[str | Finding]:
         notes.append(Finding("trials on a recorded drive past start and goal", driven, form=SHARE))
         notes.append("these trials hardly test composing drives (--drives)")
     for name in [one for one in ("meng", "sptm") if one in success]:
-        edges, holes = (
-            sum(getattr(part.results[name], what) for part in parts)
-            for what in ("edges", "wormholes")
-        )
+        _, edges, holes = total_size([part.results[name] for part in parts])
         notes.append(f"{name}: {1 - holes / max(edges, 1):.2%} of {edges} edges are no wormholes")
     return notes
 

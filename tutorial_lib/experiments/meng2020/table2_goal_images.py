@@ -40,6 +40,9 @@ _ELSEWHERE = 500  # from a world to that of its strange goals
 
 Key = tuple[str, float]
 """Goal images, and threshold."""
+InWorld = tuple[dict[Key, dict[str, Array]], NDArray[np.bool_]]
+"""Of one world columns (N,) of the trials for every threshold, and (N,) which a learned drive
+covers."""
 
 
 @dataclass(frozen=True)
@@ -57,23 +60,10 @@ class Settings:
     p_goal: tuple[float, ...] = (0.5, 0.8, 0.9, 0.95, 0.97, 0.985)
 
 
-@dataclass(frozen=True, eq=False)
-class InWorld:
-    """What came out in one world.
-
-    Attributes:
-        found: columns (N,) of the trials, for every threshold.
-        driven: (N,) which trials some drive that was learned covers.
-    """
-
-    found: dict[Key, dict[str, Array]]
-    driven: NDArray[np.bool_]
-
-
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Table II's trials with every threshold, and first plans to goals of another building."""
     parts = for_each(run_world, options.worlds, options, settings, label="goal images")
-    return [_row(key, parts) for key in parts[0].found], []
+    return [_row(key, parts) for key in parts[0][0]], []
 
 
 def run_world(world: int, options: Options, settings: Settings) -> InWorld:
@@ -99,24 +89,24 @@ def run_world(world: int, options: Options, settings: Settings) -> InWorld:
                 "refused": refusals(chosen, seen, trials, images)["refused"],
                 "refused_strange": refusals(chosen, seen, strange, images)["refused"],
             }
-    return InWorld(found, driven_trials(whole, trials, options.drives, options.seed))
+    return found, driven_trials(whole, trials, options.drives, options.seed)
 
 
 def _row(key: Key, parts: list[InWorld]) -> dict[str, Any]:
     images, least = key
-    world = np.repeat(np.arange(len(parts)), [len(part.driven) for part in parts])
+    world = np.repeat(np.arange(len(parts)), [len(driven) for _, driven in parts])
     columns = {
-        name: np.concatenate([part.found[key][name] for part in parts]).astype(float)
-        for name in parts[0].found[key]
+        name: np.concatenate([found[key][name] for found, _ in parts]).astype(float)
+        for name in parts[0][0][key]
     }
-    composed = ~np.concatenate([part.driven for part in parts])
-    success, low, high = over_worlds(columns.pop("success"), world)
+    success = columns.pop("success")
+    share, low, high = over_worlds(success, world)
     row: dict[str, Any] = {"goal_images": images, "p_goal": least, "trials": len(world)}
-    row |= {"success": success, "low": low, "high": high}
+    row |= {"success": share, "low": low, "high": high}
     row |= {name: float(values.mean()) for name, values in columns.items()}
-    success = np.concatenate([part.found[key]["success"] for part in parts])[composed]
-    composed = float(success.mean()) if len(success) else None
-    return row | {"trials_composed": len(success), "success_composed": composed}
+    composed = success[~np.concatenate([driven for _, driven in parts])]
+    found = float(composed.mean()) if len(composed) else None
+    return row | {"trials_composed": len(composed), "success_composed": found}
 
 
 EXPERIMENT = Experiment(

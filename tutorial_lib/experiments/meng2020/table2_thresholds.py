@@ -18,7 +18,13 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.experiments.protocols.drives import driven_trials, part_of
-from tutorial_lib.experiments.protocols.navigation import Result, attempt, experiences, measured
+from tutorial_lib.experiments.protocols.navigation import (
+    Result,
+    attempt,
+    experiences,
+    measured,
+    total_size,
+)
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_trials, make_building
 from tutorial_lib.experiments.protocols.thresholds import Thresholds
 from tutorial_lib.parallel import for_each
@@ -31,6 +37,8 @@ BEST = {"meng": 0.99, "sptm": agents.S_SHORTCUT}
 
 Key = tuple[str, float, bool]
 """Method, threshold, and whether it replans."""
+InWorld = tuple[dict[Key, Result], NDArray[np.bool_]]
+"""Of one world the results of every variant, and (N,) which trials a learned drive covers."""
 
 
 @dataclass(frozen=True)
@@ -50,23 +58,10 @@ class Settings:
     similarity: tuple[float, ...] = (0.8, 0.9, 0.95, 0.97, 0.99, 0.999)
 
 
-@dataclass(frozen=True, eq=False)
-class InWorld:
-    """What came out in one world.
-
-    Attributes:
-        results: of every variant.
-        driven: (N,) which trials some drive that was learned covers.
-    """
-
-    results: dict[Key, Result]
-    driven: NDArray[np.bool_]
-
-
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Table II with other thresholds; with all drives also without replanning."""
     parts = for_each(run_world, options.worlds, options, settings, label="thresholds")
-    rows = [_row(key, parts, options.drives) for key in parts[0].results]
+    rows = [_row(key, parts, options.drives) for key in parts[0][0]]
     if not options.drives:
         return rows, []
     if not rows[0]["trials_composed"]:
@@ -112,7 +107,7 @@ def run_world(world: int, options: Options, settings: Settings) -> InWorld:
         found["sptm", least, True] = measured(building, trials, sptm)
         if least == BEST["sptm"] and not options.drives:
             found["sptm", least, False] = measured(building, trials, without_replanning(sptm))
-    return InWorld(found, driven_trials(whole, trials, options.drives, options.seed))
+    return found, driven_trials(whole, trials, options.drives, options.seed)
 
 
 def without_replanning(agent: Any) -> Any:  # noqa: ANN401 - Meng's or SPTM's
@@ -124,19 +119,16 @@ def without_replanning(agent: Any) -> Any:  # noqa: ANN401 - Meng's or SPTM's
 
 def _row(key: Key, parts: list[InWorld], drives: str) -> dict[str, Any]:
     method, threshold, replans = key
-    results = [part.results[key] for part in parts]
-    world = np.repeat(np.arange(len(parts)), [len(part.driven) for part in parts])
+    results = [found[key] for found, _ in parts]
+    world = np.repeat(np.arange(len(parts)), [len(driven) for _, driven in parts])
     success = np.concatenate([part.outcome.success for part in results]).astype(float)
     share, low, high = over_worlds(success, world)
-    sizes = {
-        name: sum(getattr(part, name) for part in results)
-        for name in ("vertices", "edges", "wormholes")
-    }
-    row: dict[str, Any] = {"method": method, "threshold": threshold, "replans": replans, **sizes}
+    row: dict[str, Any] = {"method": method, "threshold": threshold, "replans": replans}
+    row |= dict(zip(("vertices", "edges", "wormholes"), total_size(results), strict=True))
     row |= {"trials": len(success), "success": share, "low": low, "high": high}
     if not drives:
         return row
-    composed = ~np.concatenate([part.driven for part in parts])
+    composed = ~np.concatenate([driven for _, driven in parts])
     found = float(success[composed].mean()) if composed.any() else None
     return row | {"trials_composed": int(composed.sum()), "success_composed": found}
 

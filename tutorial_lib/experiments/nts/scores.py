@@ -25,7 +25,7 @@ from tutorial_lib.exploration.other_scores import HistogramScores, RandomScores
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.learning.exploration_data import SHORTEST, random_poses
-from tutorial_lib.learning.exploration_training import WITHIN
+from tutorial_lib.learning.exploration_losses import WITHIN
 from tutorial_lib.observation import Observation
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.generators import SIGNS

@@ -23,7 +23,7 @@ from tutorial_lib.experiments.protocols.directions import (
 )
 from tutorial_lib.exploration.episodes import exploration_world
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.exploration_training import WITHIN
+from tutorial_lib.learning.exploration_losses import WITHIN
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.worlds import scene_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, rollout
+from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, Odometry
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.world.importers import Region, import_map
+from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, Sensors, Simulation
@@ -77,19 +78,13 @@ class Condition:
         return matched
 
 
-def conditions(
-    place: Any,  # noqa: ANN401
-    count: int,
-    seed: int,
-    family: str = "",
-    region: Region | None = None,
-) -> dict[str, Condition]:
+def conditions(place: int | Path, count: int, options: Options) -> dict[str, Condition]:
     """The conditions of one world, or of a region of a map; only a generated one is shifted.
 
     Episodes with obstacles are drawn from those that are long enough and leave room to pass.
     """
-    recorded, paths, rng = _explored(place, seed, family, region)
-    episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
+    recorded, paths, rng = _explored(place, options)
+    episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, options.seed)
     found = {
         "clean": Condition(episodes, [], seed=seeds),
         "noise": Condition(episodes, [], NOISE, seeds),
@@ -99,40 +94,35 @@ def conditions(
     if len(blocked):
         found["obstacles"] = Condition(blocked, obstacles, seed=seeds)
     if isinstance(place, int):
-        scene = scene_of(local_world(place, "shifted", family))
+        scene = scene_of(local_world(place, "shifted", options.family))
         shifted = RecordedWorld(scene, recorded.trajectories)
         found["shifted"] = Condition(episodes.within(shifted), [], seed=seeds)
     return found
 
 
-def clean_condition(
-    place: Any,  # noqa: ANN401
-    count: int,
-    seed: int,
-    family: str = "",
-    region: Region | None = None,
-) -> Condition:
+def clean_condition(place: int | Path, count: int, options: Options) -> Condition:
     """The first of `conditions` alone."""
-    recorded, paths, rng = _explored(place, seed, family, region)
-    return Condition(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
+    recorded, paths, rng = _explored(place, options)
+    episodes = draw_episodes(recorded, paths, count, rng)
+    return Condition(episodes, [], seed=seeds_of(place, options.seed))
 
 
-def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
+def seeds_of(place: int | Path, seed: int) -> tuple[int, int]:
     """Seeds of everything random in one world."""
     return seed, place if isinstance(place, int) else 0
 
 
 def _explored(
-    place: Any,  # noqa: ANN401
-    seed: int,
-    family: str,
-    region: Region | None,
+    place: int | Path, options: Options
 ) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:
     """A world with recorded trajectories, its geodesics, and the generator for all else."""
-    generated = isinstance(place, int)
-    name = local_world(place, family=family) if generated else str(place)
-    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed, region=region))
-    rng = np.random.default_rng(seeds_of(place, seed))
+    if isinstance(place, int):
+        name = local_world(place, family=options.family)
+        scene = scene_of(name)
+    else:
+        name = str(place)
+        scene = Scene(import_map(place, seed=options.seed, region=options.region))
+    rng = np.random.default_rng(seeds_of(place, options.seed))
     trajectories = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
     return RecordedWorld(scene, trajectories), GridPaths(scene.clearance), rng
 

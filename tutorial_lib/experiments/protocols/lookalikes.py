@@ -15,7 +15,8 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     recorded_between,
 )
 from tutorial_lib.experiments.protocols.odometry import Odometry
-from tutorial_lib.se2 import Array, to_local
+from tutorial_lib.geometry import Array, distance_to_segments
+from tutorial_lib.se2 import to_local
 from tutorial_lib.validation import flag, whole
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.scene import Scene
@@ -143,10 +144,8 @@ def _alike(one: _Look, other: _Look) -> bool:
 
 def _on_outline(corners: Array, point: Array) -> bool:
     """Whether a point lies on a wall of a room."""
-    along = np.roll(corners, -1, axis=0) - corners
-    share = ((point - corners) * along).sum(axis=1) / (along**2).sum(axis=1)
-    gap = np.linalg.norm(point - corners - np.clip(share, 0, 1)[:, None] * along, axis=1)
-    return bool(gap.min() < 1e-6)
+    outline = np.hstack([corners, np.roll(corners, -1, axis=0)])
+    return bool(distance_to_segments(point[None], outline).min() < 1e-6)
 
 
 def _middles(scene: Scene, paths: GridPaths) -> tuple[Array, NDArray[np.intp]]:

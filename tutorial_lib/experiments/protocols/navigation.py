@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,22 +74,18 @@ class Result:
 
     Attributes:
         outcome: of every trial.
-        vertices: of its map; None where it has none.
-        edges: of its map.
-        wormholes: edges longer than `WORMHOLE`.
+        size: vertices, edges and wormholes of its map; None where it has none.
     """
 
     outcome: Outcome
-    vertices: int | None = None
-    edges: int | None = None
-    wormholes: int | None = None
+    size: tuple[int, int, int] | None = None
 
-    @property
-    def size(self) -> tuple[int, int, int]:
-        """Vertices, edges and wormholes of its map."""
-        if self.vertices is None or self.edges is None or self.wormholes is None:
-            raise ValueError("the method has no map")
-        return self.vertices, self.edges, self.wormholes
+
+def total_size(results: Sequence[Result]) -> tuple[int, int, int]:
+    """Vertices, edges and wormholes of all maps together."""
+    sizes = [result.size for result in results if result.size]
+    vertices, edges, wormholes = (sum(size[part] for size in sizes) for part in range(3))
+    return vertices, edges, wormholes
 
 
 def navigate(
@@ -195,7 +192,17 @@ def vertex_poses(building: Building, topomap: TopoMap) -> Array:
 def edge_lengths(building: Building, topomap: TopoMap) -> Array:
     """Geodesic metres (E,) of every edge of a map, in the order of `topomap.graph.edges`."""
     poses = vertex_poses(building, topomap)
-    edges = np.array(list(topomap.graph.edges), dtype=np.intp).reshape(-1, 2)
+    return _lengths(building, topomap.graph, poses)
+
+
+def sizes_of(building: Building, graph: nx.DiGraph, poses: Array) -> tuple[int, int, int]:
+    """Vertices, edges and wormholes of a map whose images were taken at poses (M, 3)."""
+    lengths = _lengths(building, graph, poses)
+    return len(graph), len(lengths), int((lengths > WORMHOLE).sum())
+
+
+def _lengths(building: Building, graph: nx.DiGraph, poses: Array) -> Array:
+    edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
     return building.paths.between(poses[edges[:, 0], :2], poses[edges[:, 1], :2])
 
 
@@ -212,5 +219,5 @@ def measured(building: Building, trials: Trials, agent: Agent, images: str = ONE
     topomap = getattr(agent, "topomap", None)
     if topomap is None:
         return Result(outcome)
-    long = edge_lengths(building, topomap) > WORMHOLE
-    return Result(outcome, len(topomap), len(long), int(long.sum()))
+    poses = vertex_poses(building, topomap)
+    return Result(outcome, sizes_of(building, topomap.graph, poses))

@@ -331,54 +331,31 @@ def _relocated(again: Array, wrong: Array, strange: Array) -> dict[str, Any]:
     }
 
 
-_CARRIED = Experiment(
-    "race_carried",
-    run,
-    WORLDS,
-    WORLDS[:4],
-    Settings(("combined", "nts_forgets"), carried=CARRIED),
-    canary=Settings(("combined",), 1, 2, (1,)),
-)
-_CHANGED = Experiment(
-    "race_changed",
-    run,
-    tuple(range(20_000, 20_014)),  # nine of them can change
-    WORLDS[:4],
-    Settings(("combined", "nts_forgets", "ans_corrected"), changes=CHANGES),
-    canary=Settings(("combined",), 1, 2, changes=1),
-)
-_INGREDIENTS = Experiment(
-    "race_ingredients",
-    run,
-    VALIDATION,
-    VALIDATION[:4],
-    Settings(INGREDIENTS),
-    canary=Settings(("no_closing",), 1, 2),
-)
-_TOURED = Experiment(
-    "race_toured",
-    run,
-    WORLDS,
-    WORLDS[:4],
-    Settings(TOURED),
-    canary=Settings(("meng_toured",), 1, 2),
-)
-_CAR = Experiment(
-    "race_car",
-    run,
-    WORLDS,
-    WORLDS[:4],
-    Settings(DRIVING, lives=2, body=CAR),  # pymunk takes ten times as long
-    canary=Settings(("combined",), 1, 2, body=CAR),
-)
-_EXACT = Experiment(
-    "race_exact",
-    run,
-    WORLDS,
-    WORLDS[:4],
-    Settings(("combined", "nts"), drifts=False),
-    canary=Settings(("combined",), 1, 2, drifts=False),
-)
+_ABLATIONS = {
+    "car": (  # pymunk takes ten times as long
+        WORLDS,
+        Settings(DRIVING, lives=2, body=CAR),
+        Settings(("combined",), 1, 2, body=CAR),
+    ),
+    "carried": (
+        WORLDS,
+        Settings(("combined", "nts_forgets"), carried=CARRIED),
+        Settings(("combined",), 1, 2, (1,)),
+    ),
+    "changed": (
+        tuple(range(20_000, 20_014)),  # nine of them can change
+        Settings(("combined", "nts_forgets", "ans_corrected"), changes=CHANGES),
+        Settings(("combined",), 1, 2, changes=1),
+    ),
+    "exact": (
+        WORLDS,
+        Settings(("combined", "nts"), drifts=False),
+        Settings(("combined",), 1, 2, drifts=False),
+    ),
+    "ingredients": (VALIDATION, Settings(INGREDIENTS), Settings(("no_closing",), 1, 2)),
+    "toured": (WORLDS, Settings(TOURED), Settings(("meng_toured",), 1, 2)),
+}
+"""Worlds, settings, and those of the canary."""
 EXPERIMENT = Experiment(
     "race",
     run,
@@ -389,11 +366,7 @@ EXPERIMENT = Experiment(
     canary=Settings(("combined", "nts"), 1, 2),
     accepts=frozenset({"palette", "agent"}),
     ablations={
-        "car": _CAR,
-        "carried": _CARRIED,
-        "changed": _CHANGED,
-        "exact": _EXACT,
-        "ingredients": _INGREDIENTS,
-        "toured": _TOURED,
+        name: Experiment(f"race_{name}", run, worlds, worlds[:4], settings, canary=few)
+        for name, (worlds, settings, few) in _ABLATIONS.items()
     },
 )

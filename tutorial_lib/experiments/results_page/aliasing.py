@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tutorial_lib.experiments.common.statistics import difference, in_points
+from tutorial_lib.experiments.common.report import Finding
+from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.meng2020.fig12_localization import FOUND, NOTICED, RIGHT, SURE
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE
 from tutorial_lib.experiments.results_page.markdown import Row, points, table
@@ -91,12 +92,13 @@ def success_elsewhere(results: Results) -> str:
         before = column(without, "success")
         after = [one(remedied, world=row["world"])["success"] for row in without]
         gaps = [late - early for early, late in zip(before, after, strict=True)]
+        gap = Finding(learned, *difference(after, before, range(len(gaps))))
         lines.append(
             [
                 learned,
                 str(results.worlds(names[0])),
                 *(str(results.finding(name, "meng, all worlds")) for name in names),
-                _number(in_points(difference(after, before, range(len(gaps))))),
+                _number(str(gap)),
                 f"{_number(points(min(gaps)))} to {_number(points(max(gaps)))}",
             ]
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.common.report import Finding, Rows
 from tutorial_lib.experiments.nts.scores import PAIRS
 from tutorial_lib.experiments.nts.table1 import PAPER as TABLE1
 from tutorial_lib.experiments.nts.table2 import CONDITIONS, PAPER, PAPER_STANDARD
@@ -78,8 +78,7 @@ def gap_of(row: Row, key: str) -> str:
     >>> gap_of({"gain": 0.1, "gain_low": 0.05, "gain_high": 0.2}, "gain")
     '+10.0 points (+5.0 to +20.0)'
     """
-    low, high = (100 * row[f"{key}_{end}"] for end in ("low", "high"))
-    return f"{points(row[key])} ({low:+.1f} to {high:+.1f})"
+    return str(Finding(key, row[key], row[f"{key}_low"], row[f"{key}_high"]))
 
 
 def choices(rows: Rows) -> str:

@@ -23,8 +23,8 @@ from tutorial_lib.experiments.robustness import disturbances, faults, plans
 from tutorial_lib.exploration import explorable, ghost_graph, goal_search
 from tutorial_lib.learning import (
     exploration_data,
+    exploration_losses,
     exploration_recipes,
-    exploration_training,
     fine_tuning,
     panorama_encoder,
     weights,
@@ -35,7 +35,7 @@ from tutorial_lib.topology.mapping import edge_rules, image_pool, sampling_map, 
 
 _MODULES = (
     *(blockades, change, disturbances, edge_rules, explorable, exploration, exploration_data),
-    *(exploration_recipes, exploration_training, faults, fig12_localization, fig4, fine_tuning),
+    *(exploration_losses, exploration_recipes, faults, fig12_localization, fig4, fine_tuning),
     *(ghost_graph, goal_search, image_pool, local_control, maintenance, mending, metrics, model),
     *(navigation, navigation_tasks, panorama_encoder, perturbation, planner, plans),
     *(reachability, reachability_pairs, recorded_world, remedy_navigation, runners, sampling_map),

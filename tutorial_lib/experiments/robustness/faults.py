@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,8 +38,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
-from tutorial_lib.experiments.protocols.obstacles import APART, BODY, paths_around
-from tutorial_lib.geometry import distance_to_segments
+from tutorial_lib.experiments.protocols.obstacles import APART, path_left, paths_around
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
 from tutorial_lib.se2 import Array, wrap
@@ -95,17 +93,13 @@ def with_blocked_paths(
     building: Building, agent: MengAgent, trials: Trials, count: int
 ) -> dict[str, dict[str, NDArray]]:
     """The same trials without people, and with people across the path."""
-    people, kept, detours = blockades(building, trials, 2 * count)
-    rows = [
-        np.array([np.asarray(person.route)[0] for person in people if person.owner == number])
-        for number in range(len(kept))
-    ]
+    rows, kept, detours = blockades(building, trials, 2 * count)
     passable = other_paths(building, agent, trials.subset(kept), rows)
     chosen = np.flatnonzero(passable)[:count]
     if not len(chosen):
         nothing = {"reached": np.empty(0), "plans": np.empty(0)}
         return {"none": nothing, "blocked": nothing}
-    people = [
+    people = [  # each of whom exists for one robot only
         Person(place[None], speed=0.0, owner=owner)
         for owner, number in enumerate(chosen)
         for place in rows[number]
@@ -133,18 +127,11 @@ def other_paths(
         rows: for each trial the positions (P, 2) of the people.
     """
     poses = vertex_poses(building, agent.topomap)
-    edges = np.array(list(agent.topomap.graph.edges), dtype=np.intp).reshape(-1, 2)
-    segments = np.hstack([poses[edges[:, 0], :2], poses[edges[:, 1], :2]])
     found = np.zeros(len(trials), dtype=bool)
     for trial, (start, goal) in enumerate(zip(trials.starts, trials.goal_poses, strict=True)):
-        gap = distance_to_segments(rows[trial], segments).min(axis=0)
-        left = nx.DiGraph(edges[gap > Person.radius + BODY].tolist())
-        begins, ends = _close(poses, start), _close(poses, goal)
-        ends &= np.abs(wrap(poses[:, 2] - goal[2])) < FACING
-        reached = set().union(
-            *(nx.descendants(left, v) | {v} for v in np.flatnonzero(begins).tolist() if v in left)
-        )
-        found[trial] = bool(reached & set(np.flatnonzero(ends).tolist()))
+        ends = _close(poses, goal) & (np.abs(wrap(poses[:, 2] - goal[2])) < FACING)
+        begins = _close(poses, start)
+        found[trial] = path_left(agent.topomap.graph, poses, rows[trial], begins, ends)
     return found
 
 
@@ -155,15 +142,15 @@ def _close(poses: Array, pose: Array) -> NDArray[np.bool_]:
 
 def blockades(
     building: Building, trials: Trials, count: int
-) -> tuple[list[Person], NDArray[np.intp], Array]:
+) -> tuple[list[Array], NDArray[np.intp], Array]:
     """People who stand across the oracle's paths, where there is a detour around them.
 
     Returns:
-        The people, each of whom exists for one robot only; indices (M,) of the trials, M <= count;
-        and the seconds (M,) that an oracle needs at its speed which knows of the blockade.
+        For each of M trials the positions (P, 2) of the people; indices (M,) of the trials,
+        M <= count; and the seconds (M,) that an oracle needs at its speed which knows of the
+        blockade.
     """
-    people: list[Person] = []
-    kept, seconds = [], []
+    rows, kept, seconds = list[Array](), [], []
     for trial in range(len(trials)):
         if len(kept) == count:
             break
@@ -176,11 +163,10 @@ def blockades(
         straight = building.paths.between(ends[:1], ends[1:])[0]
         if not straight + 2 * CLEARANCE < around <= DETOUR * straight:
             continue
-        for place in row:
-            people.append(Person(place[None], speed=0.0, owner=len(kept)))
+        rows.append(row)
         kept.append(trial)
         seconds.append(trials.seconds[trial] * around / straight)
-    return people, np.array(kept, dtype=np.intp), np.array(seconds)
+    return rows, np.array(kept, dtype=np.intp), np.array(seconds)
 
 
 def _across(building: Building, track: Array) -> Array | None:
