@@ -109,7 +109,6 @@ KERNELS = {
     "exploration/explorable.py": {"explorable"},
     "exploration/frontier.py": {"nearest_frontiers", "all_frontiers", "is_frontier"},
     "exploration/grid_kernels.py": {"LocalMaps.observe", "find_paths", "explorable"},
-    "exploration/local_map.py": {"LocalMaps.observe"},
     "exploration/local_policy.py": {"find_paths"},
     "exploration/motion.py": {"move"},
     "topology/mapping/scan_matching.py": {"match_scans", "agreement"},
@@ -191,15 +190,6 @@ def test_a_robot_without_a_map_is_refused(name, index):
 def test_a_panorama_has_two_columns_at_least():
     with pytest.raises(InputError, match="ranges: 1 columns; give two at least"):
         LocalMaps(1).observe(np.array([0]), zeros(1, 3), some(1, 1))
-
-
-@pytest.mark.parametrize(("unseen", "good"), [(0, True), (8, True), (9, False), (-1, False)])
-def test_a_cell_not_seen_costs_what_paths_can_cost(unseen, good):
-    if good:
-        find_paths(maps(), GOOD, zeros(N, 3), some(N, 2), unseen)
-    else:
-        with pytest.raises(InputError, match=f"unseen: {unseen}; give one whole number"):
-            find_paths(maps(), GOOD, zeros(N, 3), some(N, 2), unseen)
 
 
 def test_lengths_that_share_a_name_are_the_same():

@@ -190,20 +190,20 @@ def test_a_path_goes_around_a_wall_and_ends_at_the_target():
     maps = seen_from([1.5, 3.0, 0.0], scene)
     seen_from([3.0, 1.2, 0.0], scene, maps, [1.5, -1.8, 0.0])
     target = np.array([[3.0, 0.0]])
-    found = find_paths(maps, ONE, np.zeros((1, 3)), target)
-    assert np.allclose(found.ends, target)
-    assert found.ahead[0, 1] < -0.2  # by the side that was seen to be free
+    ahead, ends = find_paths(maps, ONE, np.zeros((1, 3)), target)
+    assert np.allclose(ends, target)
+    assert ahead[0, 1] < -0.2  # by the side that was seen to be free
 
 
 def test_a_path_to_where_none_leads_ends_as_near_as_possible():
     maps = seen_from([1.5, 1.5, 0.0], Scene(make_box(3.0, 3.0)))
-    beyond = find_paths(maps, ONE, np.zeros((1, 3)), np.array([[2.6, 0.0]]))
-    assert 1.0 < beyond.ends[0, 0] < 1.4
-    assert abs(beyond.ends[0, 1]) < 0.3
+    _, ends = find_paths(maps, ONE, np.zeros((1, 3)), np.array([[2.6, 0.0]]))
+    assert 1.0 < ends[0, 0] < 1.4
+    assert abs(ends[0, 1]) < 0.3
 
 
 def test_the_policy_drives_to_its_target_without_touching_anything():
-    from tutorial_lib.exploration.motion import exact_motions, move
+    from tutorial_lib.exploration.motion import EXACT, move
 
     scene = Scene(make_box(6.0, 6.0, [(3.0, 3.0, 0.5), (1.2, 4.5, 0.3)]))
     start, target = np.array([1.0, 1.0, 2.0]), np.array([5.0, 5.0])
@@ -216,7 +216,7 @@ def test_the_policy_drives_to_its_target_without_touching_anything():
         assert actions[0] in (FORWARD, LEFT, RIGHT)
         if left[0] < 0.3:
             break
-        pose, stopped = move(pose, exact_motions(actions), scene.plan.segments, 0.18)
+        pose, stopped = move(pose, EXACT[actions], scene.plan.segments, 0.18)
         odometry = pose
         assert not stopped.any()
     assert np.linalg.norm(pose[0, :2] - target) < 0.3
@@ -260,7 +260,7 @@ def test_frontiers_shrink_until_a_building_is_known(scenes, episodes):
         found = nearest_frontiers(maps, ONE, pose[None])
         if not len(found.robots):
             break
-        ahead = find_paths(maps, ONE, pose[None], found.places).ahead[0]
+        ahead = find_paths(maps, ONE, pose[None], found.places)[0][0]
         if np.linalg.norm(ahead - pose[:2]) < 0.15:
             maps.close(ONE, found.places)
         pose = np.array([*ahead, 0.0])

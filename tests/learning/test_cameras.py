@@ -157,7 +157,7 @@ def tiny(recorded, tmp_path, monkeypatch):
     short = Settings(max_steps=4, targets=2, eval_interval=2)
     monkeypatch.setitem(WAYPOINT, "2", replace(WAYPOINT["2"], settings=short))
     known = train_command.NETWORKS["reachability"]
-    monkeypatch.setitem(known, "sptm", replace(SPTM, first=short))
+    monkeypatch.setitem(known, "sptm", replace(SPTM, settings=short))
     for module in (recipes, reach_recipes):
         monkeypatch.setattr(module, "recorded_worlds_of", lambda *given: [recorded])
     taught = []

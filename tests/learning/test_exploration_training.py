@@ -9,6 +9,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.learning.test_training import Killed, killed_when_saved
 from tutorial_lib import cli
 from tutorial_lib.commands import train as train_command
 from tutorial_lib.errors import InputError
@@ -17,20 +18,18 @@ from tutorial_lib.learning import exploration_recipes, recipes
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.exploration_data import panorama_worlds
 from tutorial_lib.learning.exploration_losses import (
+    PanoramaObjective,
     _position,
+    best_chosen,
     depth_loss,
     listwise_loss,
     pair_losses,
+    predictions,
     score_loss,
     seen_losses,
 )
 from tutorial_lib.learning.exploration_model import LearnedExploration
 from tutorial_lib.learning.exploration_recipes import NTS, NtsRecipe, calibrate_connection
-from tutorial_lib.learning.exploration_training import (
-    PanoramaObjective,
-    best_chosen,
-    predictions,
-)
 from tutorial_lib.learning.panorama_batches import PanoramaSource
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
@@ -186,20 +185,18 @@ def test_gradients_are_finite_and_reach_every_weight(batch):
             assert value.grad.abs().max() > 0, name
 
 
-def test_training_resumes_to_the_same_weights(worlds, tmp_path):
+def test_training_resumes_to_the_same_weights(worlds, tmp_path, monkeypatch):
     source = PanoramaSource(worlds, worlds=2, targets=2)
     validation = [PanoramaSource(worlds, worlds=1, targets=2, vary=False).block([9])]
     settings = Settings(max_steps=4, targets=2, warmup_steps=2, eval_interval=2)
     architecture, objective = PanoramaArchitecture("rgbd"), PanoramaObjective()
     whole, progress = train(architecture, source, validation, settings, objective=objective)
-
-    def stop(network, progress):
-        raise KeyboardInterrupt
-
     path = tmp_path / "state.pt"
     arguments = (architecture, source, validation, settings, path)
-    with pytest.raises(KeyboardInterrupt):
-        train(*arguments, stop, objective=objective)
+    with monkeypatch.context() as patched:
+        killed_when_saved(patched)
+        with pytest.raises(Killed):
+            train(*arguments, objective=objective)
     resumed, again = train(*arguments, objective=objective)
     assert again == progress
     for name, value in whole.state_dict().items():
@@ -299,7 +296,13 @@ def tiny(tmp_path, monkeypatch):
     """The command trains a tiny network, and all files are in a folder of the test's."""
     settings = Settings(max_steps=4, targets=2, warmup_steps=2, eval_interval=2)
     recipe = NtsRecipe(
-        "tiny", "train nts --sensor rgb", PanoramaArchitecture("rgb"), settings, 1, 1, 12
+        "tiny",
+        "train nts --sensor rgb",
+        PanoramaArchitecture("rgb"),
+        settings,
+        worlds=1,
+        validation_worlds=1,
+        panoramas=12,
     )
     monkeypatch.setitem(NTS, ("rgb", ""), recipe)
 

@@ -14,15 +14,16 @@ from tutorial_lib.exploration.frontier import CROP
 from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import FrontierScorer
 from tutorial_lib.learning import exploration_policies, goal_map_recipes
-from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer
-from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMapSource
 from tutorial_lib.learning.goal_map_network import (
+    FRONTIERS,
     GoalMapArchitecture,
     GoalMapNetwork,
     GoalMapObjective,
+    GoalMapSource,
 )
 from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS, goal_maps, record_maps, train_goal_map
+from tutorial_lib.learning.imitation_recipes import BaselineRecipe
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings

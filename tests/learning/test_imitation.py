@@ -12,10 +12,9 @@ from tutorial_lib import cli
 from tutorial_lib.commands import train as train_command
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.motion import exact_motions, move
+from tutorial_lib.exploration.motion import EXACT, move
 from tutorial_lib.interfaces import RecurrentPolicy
 from tutorial_lib.learning import imitation_data, imitation_recipes, recipes
-from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedImitation
 from tutorial_lib.learning.imitation_data import (
     ARRIVED,
@@ -31,7 +30,7 @@ from tutorial_lib.learning.imitation_network import (
     ImitationNetwork,
     ImitationObjective,
 )
-from tutorial_lib.learning.imitation_recipes import IMITATION
+from tutorial_lib.learning.imitation_recipes import IMITATION, BaselineRecipe
 from tutorial_lib.learning.panorama_encoder import FEATURES
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
@@ -80,7 +79,7 @@ def test_the_expert_reaches_its_goals_without_noise():
     for _ in range(160):
         actions = expert_actions(scene, fields, poses)
         radius = DifferentialDrive.radius
-        poses, _ = move(poses, exact_motions(actions), scene.plan.segments, radius)
+        poses, _ = move(poses, EXACT[actions], scene.plan.segments, radius)
     gap = np.linalg.norm(poses[:, :2] - goals, axis=1)
     assert (gap[near] < ARRIVED).mean() > 0.85
 

@@ -247,7 +247,7 @@ def test_each_network_learns_from_the_pairs_of_its_own_controller():
     names = [recipe.name for recipe in (*REACHABILITY.values(), SPTM)]
     paths = [path for r in (*REACHABILITY.values(), SPTM) for path in r.checkpoints(recipes.WORK)]
     assert len(set(names)) == 5
-    assert len(set(paths)) == 10
+    assert len(set(paths)) == 9
 
 
 def test_worlds_are_used_for_one_thing_only():
@@ -274,7 +274,7 @@ def tiny(tmp_path, monkeypatch, recorded):
     )
     monkeypatch.setitem(REACHABILITY, "0", recipe)
     monkeypatch.setitem(train_command.NETWORKS["reachability"], "0", recipe)
-    sptm = replace(SPTM, first=short)
+    sptm = replace(SPTM, settings=short)
     monkeypatch.setitem(train_command.NETWORKS["reachability"], "sptm", sptm)
     requested = []
 

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from tests.learning.test_reach_batches import made_up
+from tests.learning.test_training import Killed, killed_when_saved
 from tutorial_lib.learning import training
 from tutorial_lib.learning.losses import OVERLAP_WEIGHT, reach_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
@@ -145,21 +146,16 @@ def test_training_begins_with_the_weights_that_it_is_given(labelled, pictured):
     assert differing(moved, trained()) > HEADS
 
 
-def test_a_stopped_training_goes_on_to_the_same_weights(labelled, pictured, tmp_path):
+def test_a_stopped_training_goes_on_to_the_same_weights(labelled, pictured, tmp_path, monkeypatch):
     source = OutcomeSource(labelled, SMALL, mined=0.0, worlds=2, targets=4)
     settings = Settings(max_steps=6, targets=4, warmup_steps=2, eval_interval=3)
-
-    class StoppedError(Exception):
-        pass
-
-    def stop(network, progress):
-        raise StoppedError
-
     whole, progress = train(SMALL, source, [pictured], settings, init_from=trained())
     assert set(progress.history[0]) == {"step", "training", "validation"}
     checkpoint = tmp_path / "tiny.pt"
-    with pytest.raises(StoppedError):
-        train(SMALL, source, [pictured], settings, checkpoint, stop, init_from=trained())
+    with monkeypatch.context() as patched:
+        killed_when_saved(patched)
+        with pytest.raises(Killed):
+            train(SMALL, source, [pictured], settings, checkpoint, init_from=trained())
     again, there = train(SMALL, source, [pictured], settings, checkpoint, init_from=trained())
     assert differing(again, whole) == set()
     assert there == progress

@@ -17,10 +17,10 @@ from tutorial_lib.interfaces import ExplorerAgent
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.reinforcement_environment import PolicyEnvironments
 from tutorial_lib.learning.reinforcement_network import (
+    LearnedReinforcement,
     ReinforcementArchitecture,
     ReinforcementNetwork,
 )
-from tutorial_lib.learning.reinforcement_policy import LearnedReinforcement
 from tutorial_lib.learning.reinforcement_training import (
     REINFORCEMENT,
     PPOSettings,

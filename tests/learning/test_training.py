@@ -357,6 +357,17 @@ def killed_after(steps, monkeypatch):
     monkeypatch.setattr(training._State, "learn", mortal)
 
 
+def killed_when_saved(monkeypatch):
+    """Let training end after each checkpoint."""
+    save = training._State.save
+
+    def mortal(self, path):
+        save(self, path)
+        raise Killed
+
+    monkeypatch.setattr(training._State, "save", mortal)
+
+
 @pytest.fixture(scope="module")
 def finished(source, validation):
     return train(TINY, source, validation, SETTINGS)
@@ -418,16 +429,14 @@ def test_a_killed_training_goes_on_to_the_same_weights(
 
 
 def test_a_training_killed_at_every_look_goes_on_to_the_same_weights(
-    source, validation, finished, tmp_path
+    source, validation, finished, tmp_path, monkeypatch
 ):
-    def stop(network, progress):
-        raise Killed
-
+    killed_when_saved(monkeypatch)
     checkpoint = tmp_path / "tiny.pt"
     for _ in range(5):
         with pytest.raises(Killed):
-            train(TINY, source, validation, SETTINGS, checkpoint, on_evaluation=stop)
-    network, progress = train(TINY, source, validation, SETTINGS, checkpoint, on_evaluation=stop)
+            train(TINY, source, validation, SETTINGS, checkpoint)
+    network, progress = train(TINY, source, validation, SETTINGS, checkpoint)
     assert equal(network, finished[0])
     assert progress == finished[1]
 

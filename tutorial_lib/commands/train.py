@@ -18,6 +18,7 @@ from tutorial_lib.learning import (
     relative_recipes,
 )
 from tutorial_lib.learning.panorama_encoder import SENSORS
+from tutorial_lib.learning.reach_recipes import ReachRecipe
 from tutorial_lib.learning.reinforcement_training import REINFORCEMENT, train_reinforcement
 from tutorial_lib.learning.views import DEGREES, LEAST_DEGREES, MOST_DEGREES
 from tutorial_lib.learning.weights import load_card, save_network
@@ -109,8 +110,11 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
             recipe = recipe.with_degrees(options.degrees)
         except InputError as error:
             raise InputError(f"--{error}") from None
-    waypoint = options.name == "waypoint"
-    first = recipe.start if waypoint else recipe.controller
+    first = recipe.controller if isinstance(recipe, ReachRecipe) else recipe.start
     if first:  # before anything is recorded
         load_card(first)
-    return recipe, recipes.train_local if waypoint else reach_recipes.train_reachability
+    if options.name == "waypoint":
+        return recipe, recipes.train_local
+    if options.k in reach_recipes.OF_TIME:
+        return recipe, reach_recipes.train_proximity
+    return recipe, reach_recipes.train_reachability

@@ -64,18 +64,19 @@ class CarTask(ExplorationTask):
                 getattr(seen, name)[fleet.rows] = getattr(here, name)
         return replace(seen, body=CAR)
 
-    def step(self, actions: ArrayLike) -> None:
+    def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Drive to waypoints for half a second; cars that are done stand still.
 
         Args:
             actions: (N, 2) waypoints in the cars' frames, metres; a row that is not a number stops.
+            running: (N,) which cars drive.
+
+        Returns:
+            Which cars (N,) stop.
 
         Raises:
             InputError: when a waypoint is missing or infinite.
         """
-        super().step(actions)
-
-    def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         waypoints = floats("waypoints", actions, (len(self), 2), nan=True)
         stops = np.any(np.isnan(waypoints), axis=1)
         going = running & ~stops
@@ -104,18 +105,19 @@ class SteeredCarTask(CarTask):
 
     camera = Camera()
 
-    def step(self, actions: ArrayLike) -> None:
+    def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Drive for a tenth of a second; cars that are done brake.
 
         Args:
             actions: (N, 2) speed in m/s and steering in rad; a car does what it can of it.
+            running: (N,) which cars drive.
+
+        Returns:
+            Which cars (N,) stop: none.
 
         Raises:
             InputError: when one is missing or not finite.
         """
-        super().step(actions)
-
-    def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         controls = checked_actions(actions, len(self)) * running[:, None]
         self._drive(running, lambda fleet: fleet.step(controls[fleet.rows]))
         return np.zeros(len(self), bool)

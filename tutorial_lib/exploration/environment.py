@@ -23,8 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 import tutorial_lib.environments  # noqa: F401 - registers the names for whoever imports this
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.car_task import CAR, SteeredCarTask
-from tutorial_lib.exploration.drawn_episodes import DrawnEpisodes, check_known
-from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.exploration.episodes import DrawnEpisodes, Episodes, check_known
 from tutorial_lib.exploration.motion import ACTIONS
 from tutorial_lib.exploration.rewards import Rewards
 from tutorial_lib.exploration.task import SENSORS, ExplorationTask

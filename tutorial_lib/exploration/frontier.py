@@ -60,21 +60,12 @@ def nearest_frontiers(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array
     Raises:
         InputError: when an argument is no such array, or one is shorter than the other.
     """
-    robots, odometry = maps.checked(robots, odometry)
-    found = np.full((len(robots), 1), -1)
-    metres = np.zeros(found.shape)
-    _search(maps.grids, robots, maps.cells(robots, odometry[:, :2]), True, found, metres)
-    return _gathered(maps, robots, found, metres)
+    return _frontiers(maps, robots, odometry, nearest=True)
 
 
 def all_frontiers(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array) -> Frontiers:
     """The frontiers that robots can reach, one in every square metre; as `nearest_frontiers`."""
-    robots, odometry = maps.checked(robots, odometry)
-    side = maps.grids.shape[1]
-    found = np.full((len(robots), (side // _BLOCK + 1) ** 2), -1)
-    metres = np.zeros(found.shape)
-    _search(maps.grids, robots, maps.cells(robots, odometry[:, :2]), False, found, metres)
-    return _gathered(maps, robots, found, metres)
+    return _frontiers(maps, robots, odometry, nearest=False)
 
 
 def is_frontier(maps: LocalMaps, robots: NDArray[np.intp], places: Array) -> NDArray[np.bool_]:
@@ -105,11 +96,16 @@ def crops(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array, side: int)
     return np.where(inside, found, np.uint8(UNKNOWN))
 
 
-def _gathered(
-    maps: LocalMaps, robots: NDArray[np.intp], cells: NDArray[np.intp], metres: Array
+def _frontiers(
+    maps: LocalMaps, robots: NDArray[np.intp], odometry: Array, *, nearest: bool
 ) -> Frontiers:
-    rows, columns = np.nonzero(cells >= 0)
-    places = maps.centres(robots[rows], cells[rows, columns])
+    robots, odometry = maps.checked(robots, odometry)
+    blocks = 1 if nearest else (maps.grids.shape[1] // _BLOCK + 1) ** 2
+    found = np.full((len(robots), blocks), -1)
+    metres = np.zeros(found.shape)
+    _search(maps.grids, robots, maps.cells(robots, odometry[:, :2]), nearest, found, metres)
+    rows, columns = np.nonzero(found >= 0)
+    places = maps.centres(robots[rows], found[rows, columns])
     return Frontiers(rows, places, metres[rows, columns])
 
 

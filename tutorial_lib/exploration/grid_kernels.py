@@ -37,42 +37,46 @@ _STEPS = np.array(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def draw_rays(
-    grid: Bytes,
-    corner: Floats,
+    grids: Bytes,
+    corners: Floats,
     resolution: float,
-    pose: Floats,
-    ranges: Floats,
+    robots: NDArray[np.intp],
+    poses: Floats,
+    panoramas: Floats,
     bearings: Floats,
     reach: float,
 ) -> None:
-    """Enter one panorama's rays: free up to `reach` metres or a wall, and that is occupied.
+    """Enter each robot's panorama: free up to `reach` metres or a wall, and that is occupied.
 
     Between neighbouring rays one more is drawn, as long as the shorter of them.
     """
-    side, count = len(grid), len(ranges)
+    side, count = grids.shape[1], panoramas.shape[1]
     step = resolution * 0.7
-    for k in range(2 * count):
-        ray = k // 2
-        after = (ray + 1) % count
-        length, bearing = ranges[ray], bearings[ray]
-        if k % 2:
-            length = min(length, ranges[after])
-            bearing += np.pi / count * (-1.0 if bearings[1] < bearings[0] else 1.0)
-        cos, sin = np.cos(pose[2] + bearing), np.sin(pose[2] + bearing)
-        far = min(length - resolution / 2, reach)
-        for i in range(int(far / step) + 1):
-            row = int(np.floor((pose[1] + i * step * sin - corner[1]) / resolution))
-            column = int(np.floor((pose[0] + i * step * cos - corner[0]) / resolution))
-            if 0 <= row < side and 0 <= column < side:
-                grid[row, column] = FREE
-    x, y = np.empty(count), np.empty(count)
-    for ray in range(count):
-        cos, sin = np.cos(pose[2] + bearings[ray]), np.sin(pose[2] + bearings[ray])
-        x[ray] = (pose[0] + (ranges[ray] + BEHIND) * cos - corner[0]) / resolution
-        y[ray] = (pose[1] + (ranges[ray] + BEHIND) * sin - corner[1]) / resolution
-    for ray in range(count):
-        if ranges[ray] <= reach:
-            _draw_wall(grid, x, y, ray, ranges[(ray + 1) % count] <= reach)
+    for m in range(len(robots)):
+        grid, corner = grids[robots[m]], corners[robots[m]]
+        pose, ranges = poses[m], panoramas[m]
+        for k in range(2 * count):
+            ray = k // 2
+            after = (ray + 1) % count
+            length, bearing = ranges[ray], bearings[ray]
+            if k % 2:
+                length = min(length, ranges[after])
+                bearing += np.pi / count * (-1.0 if bearings[1] < bearings[0] else 1.0)
+            cos, sin = np.cos(pose[2] + bearing), np.sin(pose[2] + bearing)
+            far = min(length - resolution / 2, reach)
+            for i in range(int(far / step) + 1):
+                row = int(np.floor((pose[1] + i * step * sin - corner[1]) / resolution))
+                column = int(np.floor((pose[0] + i * step * cos - corner[0]) / resolution))
+                if 0 <= row < side and 0 <= column < side:
+                    grid[row, column] = FREE
+        x, y = np.empty(count), np.empty(count)
+        for ray in range(count):
+            cos, sin = np.cos(pose[2] + bearings[ray]), np.sin(pose[2] + bearings[ray])
+            x[ray] = (pose[0] + (ranges[ray] + BEHIND) * cos - corner[0]) / resolution
+            y[ray] = (pose[1] + (ranges[ray] + BEHIND) * sin - corner[1]) / resolution
+        for ray in range(count):
+            if ranges[ray] <= reach:
+                _draw_wall(grid, x, y, ray, ranges[(ray + 1) % count] <= reach)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import RADIUS, column_bearings
-from tutorial_lib.exploration.grid_kernels import OCCUPIED, UNKNOWN, Bytes, draw_rays
+from tutorial_lib.exploration.grid_kernels import OCCUPIED, UNKNOWN, draw_rays
 from tutorial_lib.geometry import Array
 from tutorial_lib.validation import alike, floats, integers, number, whole
 
@@ -67,7 +66,7 @@ class LocalMaps:
             raise InputError(f"ranges: {ranges.shape[1]} columns; give two at least")
         self._follow(robots, odometry)
         rays = (ranges, column_bearings(ranges.shape[1]), self._reach)
-        _draw(self.grids, self.corners, robots, odometry, *rays)
+        draw_rays(self.grids, self.corners, RESOLUTION, robots, odometry, *rays)
 
     def forget(self, robot: int) -> None:
         """Empty the grid of a robot."""
@@ -142,18 +141,3 @@ def _overlap(shift: int, side: int) -> tuple[slice, slice]:
     before = min(max(shift, 0), side)
     after = min(max(-shift, 0), side)
     return slice(before, before + stay), slice(after, after + stay)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _draw(
-    grids: Bytes,
-    corners: Array,
-    robots: NDArray[np.intp],
-    odometry: Array,
-    ranges: Array,
-    bearings: Array,
-    reach: float,
-) -> None:
-    for m in range(len(robots)):
-        n = robots[m]
-        draw_rays(grids[n], corners[n], RESOLUTION, odometry[m], ranges[m], bearings, reach)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.exploration.grid_kernels import DEAREST, Bytes, costs_of, in_sight, spread
+from tutorial_lib.exploration.grid_kernels import Bytes, costs_of, in_sight, spread
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.validation import fit_together, floats, whole
+from tutorial_lib.validation import fit_together, floats
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT
 
 BODY, COMFORT = 2.3, 3.7
@@ -33,26 +31,9 @@ _BLOCKED = 0.12  # metres that a forward step is long where nothing is in the wa
 _AROUND = 8  # cells about a target in which another is taken for it, where it is blocked
 
 
-@dataclass(frozen=True)
-class LocalPaths:
-    """Paths of M robots, in the frames of their odometry.
-
-    Attributes:
-        ahead: (M, 2) a point of each path that can be driven to in a straight line.
-        ends: (M, 2) the last point of each path: the target, or what is nearest to it.
-    """
-
-    ahead: Array
-    ends: Array
-
-
 def find_paths(
-    maps: LocalMaps,
-    robots: NDArray[np.intp],
-    odometry: Array,
-    targets: Array,
-    unseen: int = UNSEEN,
-) -> LocalPaths:
+    maps: LocalMaps, robots: NDArray[np.intp], odometry: Array, targets: Array
+) -> tuple[Array, Array]:
     """The shortest paths that keep off the walls where they can.
 
     Args:
@@ -60,7 +41,10 @@ def find_paths(
         robots: (M,) indices.
         odometry: (M, 3) their poses.
         targets: (M, 2) in the frames of their odometry.
-        unseen: times its length that a cell not seen costs; 0 if it is not to be entered.
+
+    Returns:
+        In the frames of their odometry: a point (M, 2) of each path that can be driven to in a
+        straight line, and its last point (M, 2), the target or what is nearest to it.
 
     Raises:
         InputError: when an argument is no such array, or one is shorter than another.
@@ -68,17 +52,16 @@ def find_paths(
     robots, odometry = maps.checked(robots, odometry)
     targets = floats("targets", targets, ("M", 2))
     fit_together(robots=(robots, ("M",)), targets=(targets, ("M", 2)))
-    unseen = whole("unseen", unseen, least=0, most=DEAREST)
     starts, ends = maps.cells(robots, odometry[:, :2]), maps.cells(robots, targets)
     ahead = starts.copy()
-    _find(maps.grids, robots, starts, ends, unseen, ahead)
+    _find(maps.grids, robots, starts, ends, ahead)
     last = maps.centres(robots, ends)
     near = np.linalg.norm(last - targets, axis=1) < RESOLUTION
     last[near] = targets[near]
     points = maps.centres(robots, ahead)
     straight = ahead == ends
     points[straight] = last[straight]
-    return LocalPaths(points, last)
+    return points, last
 
 
 class LocalPolicy:
@@ -160,8 +143,8 @@ class LocalPolicy:
         rows = np.flatnonzero(stale)
         if len(rows):
             mine = robots[rows]
-            found = find_paths(self.maps, mine, odometry[rows], targets[rows])
-            self._ahead[mine], self._ends[mine] = found.ahead, found.ends
+            ahead, ends = find_paths(self.maps, mine, odometry[rows], targets[rows])
+            self._ahead[mine], self._ends[mine] = ahead, ends
             self._targets[mine], self._age[mine] = targets[rows], 0
 
 
@@ -171,7 +154,6 @@ def _find(
     robots: NDArray[np.intp],
     starts: NDArray[np.intp],
     targets: NDArray[np.intp],
-    unseen: int,
     ahead: NDArray[np.intp],
 ) -> None:
     """Write a cell ahead on each path, and over `targets` the cell where it ends."""
@@ -180,7 +162,7 @@ def _find(
     length, parent = np.empty(side * side, np.int32), np.empty(side * side, np.int32)
     for m in range(len(robots)):
         start = starts[m]
-        costs_of(grids[robots[m]], BODY, COMFORT, NEAR, unseen, start, cost)
+        costs_of(grids[robots[m]], BODY, COMFORT, NEAR, UNSEEN, start, cost)
         target = _passable(cost, targets[m])
         ends[target // side, target % side] = 1
         if spread(cost, start, ends, length, parent) < 0:

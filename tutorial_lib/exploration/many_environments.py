@@ -13,9 +13,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from tutorial_lib.exploration.drawn_episodes import DrawnEpisodes, check_known
 from tutorial_lib.exploration.environment import observations, running, views
-from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.exploration.episodes import DrawnEpisodes, Episodes, check_known
 from tutorial_lib.exploration.motion import ACTIONS
 from tutorial_lib.exploration.rewards import Rewards
 from tutorial_lib.exploration.task import SENSORS, STEPS, ExplorationTask

@@ -23,18 +23,9 @@ ACTIONS = (STOP, FORWARD, LEFT, RIGHT)
 FORWARD_METRES = 0.25
 TURN = float(np.deg2rad(10.0))
 """What the actions do without noise (Chaplot et al. 2020, 5)."""
-EXACT = {
-    STOP: (0.0, 0.0, 0.0),
-    FORWARD: (FORWARD_METRES, 0.0, 0.0),
-    LEFT: (0.0, 0.0, TURN),
-    RIGHT: (0.0, 0.0, -TURN),
-}
+EXACT = np.array([(0.0, 0.0, 0.0), (FORWARD_METRES, 0.0, 0.0), (0.0, 0.0, TURN), (0.0, 0.0, -TURN)])
+"""Motions (4, 3) without noise, by action, in the robot's frame."""
 _STEP = 0.01  # metres between the places at which contact is tested
-
-
-def exact_motions(actions: NDArray[np.intp]) -> Array:
-    """Motions (N, 3) of discrete actions (N,) without noise, in the robots' frames."""
-    return np.array([EXACT[action] for action in actions.tolist()]).reshape(-1, 3)
 
 
 def actions_towards(poses: Array, points: Array, aim: float) -> NDArray[np.intp]:

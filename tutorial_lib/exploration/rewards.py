@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.exploration.drawn_episodes import check_known
-from tutorial_lib.exploration.episodes import EpisodeSource
+from tutorial_lib.exploration.episodes import EpisodeSource, check_known
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.se2 import Array
 

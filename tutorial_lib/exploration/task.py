@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import spl
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.episodes import SUCCESS, Episodes
-from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move_among
+from tutorial_lib.exploration.episodes import SUCCESS, Episodes, check_known
+from tutorial_lib.exploration.motion import ACTIONS, EXACT, move_among
 from tutorial_lib.interfaces import ExplorerAgent, SequentialExplorer
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, compose, relative
@@ -82,14 +82,10 @@ class ExplorationTask:
         flag("noise", noise)
         flag("stops_itself", stops_itself)
         whole("limit", limit, least=1)
-        missing = sorted(set(episodes.worlds) - scenes.keys())
-        if missing:
-            raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
-        if not isinstance(sensor, str) or sensor not in SENSORS:
-            raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
+        self._rows = _rows_by_scene(scenes, episodes.worlds)
+        check_known("sensor", sensor, SENSORS)
         self.episodes, self.scenes, count = episodes, scenes, len(episodes)
         self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
-        self._rows = _rows_by_scene(scenes, episodes.worlds)
         self.poses, self.odometry = episodes.starts.astype(float), np.zeros((count, 3))
         self._goals, self._shortest = episodes.goals, episodes.shortest
         self._image = np.zeros((count, self.camera.rows, self.camera.columns, 3), np.uint8)
@@ -166,7 +162,7 @@ class ExplorationTask:
         actions = integers("actions", actions, (len(self),), least=min(ACTIONS), most=max(ACTIONS))
         actions = np.where(running, actions, STOP)
         if self._noise is None:
-            wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
+            wanted, errors = EXACT[actions], np.zeros((len(self), 3))
         else:
             wanted, errors = self._noise.draw(actions)
         before, moving = self.poses, actions != STOP
@@ -216,13 +212,11 @@ class ExplorationTask:
                 f"robots: {len(robots)}, episodes: {len(episodes)}; give as many of both"
             )
         self.scenes = {**self.scenes, **instance("scenes", scenes, Mapping)}
-        missing = sorted(set(episodes.worlds) - self.scenes.keys())
-        if missing:
-            raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
         both, order = Episodes.joined([self.episodes, episodes]), np.arange(len(self))
         order[robots] = len(self) + np.arange(len(robots))
-        self.episodes = both[order]
-        self._rows = _rows_by_scene(self.scenes, self.episodes.worlds)
+        both = both[order]
+        self._rows = _rows_by_scene(self.scenes, both.worlds)
+        self.episodes = both
         self.poses, self._goals = self.poses.copy(), self._goals.copy()
         self.poses[robots], self.odometry[robots] = episodes.starts, 0.0
         self._goals[robots] = episodes.goals
@@ -269,7 +263,10 @@ class ExplorationTask:
 def _rows_by_scene(
     scenes: Mapping[str, Scene], worlds: tuple[str, ...]
 ) -> list[tuple[Scene, NDArray[np.intp]]]:
-    """Each world with the rows of its episodes."""
+    """Each world with the rows of its episodes, if all are there."""
+    missing = sorted(set(worlds) - scenes.keys())
+    if missing:
+        raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
     names = np.array(worlds)
     return [(scenes[name], np.flatnonzero(names == name)) for name in dict.fromkeys(worlds)]
 

@@ -1,9 +1,9 @@
 """Training data: blocks of pairs from many worlds, rendered while the network learns."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import torch
@@ -23,10 +23,47 @@ from tutorial_lib.world.sensors import Laser
 
 STARTS = 4
 """Starts for each target: its images are encoded once for all of them."""
+Made = TypeVar("Made", bound="Rows")
+One = TypeVar("One")
+
+
+@dataclass(frozen=True, eq=False)  # a class without fields would equal all of its kind
+class Rows:
+    """Arrays, fields of a dataclass, whose rows belong together."""
+
+    def __len__(self) -> int:
+        return len(getattr(self, fields(self)[0].name))
+
+    def tensor(self, name: str) -> Tensor:
+        """One of the arrays; floating-point ones in single precision."""
+        array = torch.from_numpy(getattr(self, name))
+        return array.float() if array.is_floating_point() else array
+
+    def targets(self: Made, groups: NDArray[np.intp] | slice) -> Made:
+        """A subset of the rows."""
+        return type(self)(*(getattr(self, field.name)[groups] for field in fields(self)))
+
+    @classmethod
+    def joined(cls: type[Made], parts: Sequence[Made]) -> Made:
+        """All rows of the parts."""
+        names = [field.name for field in fields(cls)]
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+def drawn(
+    recorded: Sequence[One],
+    worlds: int,
+    part: Callable[[One, np.random.Generator], Made],
+    rng: np.random.Generator,
+) -> Made:
+    """A block: a `part` of each of so many of what is `recorded`, drawn and shuffled."""
+    parts = [part(recorded[i], rng) for i in rng.integers(len(recorded), size=worlds)]
+    block = parts[0].joined(parts)
+    return block.targets(rng.permutation(len(block)))
 
 
 @dataclass(frozen=True)
-class Batch:
+class Batch(Rows):
     """G targets with S starts each; N = G * S pairs, those of one target in a row.
 
     Attributes:
@@ -53,9 +90,8 @@ class Batch:
     weight: NDArray[np.float32]
     placed: NDArray[np.float32]
 
-    def tensor(self, name: str) -> Tensor:
-        """One of the labels."""
-        return torch.from_numpy(getattr(self, name))
+    def __len__(self) -> int:
+        return len(self.contexts)
 
     def targets(self, groups: NDArray[np.intp] | slice) -> "Batch":
         """A subset of the targets, with all their starts."""
@@ -124,12 +160,7 @@ class Source:
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` worlds, shuffled."""
         rng = np.random.default_rng(integers("seed", seed, ("N",), least=0).tolist())
-        parts = [
-            self._world(self.recorded_worlds[i], rng)
-            for i in rng.integers(len(self.recorded_worlds), size=self.worlds)
-        ]
-        block = joined(parts)
-        return block.targets(rng.permutation(len(block.contexts)))
+        return drawn(self.recorded_worlds, self.worlds, self._world, rng)
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
         view = self.architecture.looks_at
@@ -182,16 +213,6 @@ class Source:
         return self.demonstrator.act(seen, pairs.labels.waypoint).astype(np.float32)
 
 
-def joined(parts: Sequence[Batch]) -> Batch:
-    """Several batches as one."""
-    return Batch(
-        **{
-            field.name: np.concatenate([getattr(part, field.name) for part in parts])
-            for field in fields(Batch)
-        }
-    )
-
-
 def posed(origins: Array, poses: Array) -> NDArray[np.float32]:
     """Poses (..., 3) in the frames of `origins`: (..., 4) x, y, cosine and sine of the heading."""
     seen = relative(origins, poses)
@@ -213,13 +234,6 @@ def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
     return Discs(circles, owners, rng.uniform(0.0, 255.0, (count, 3)).astype(np.float32))
 
 
-class Block(Protocol):
-    """Targets with their starts, such as a `Batch`, that is cut into batches of its own kind."""
-
-    def targets(self, groups: slice) -> Any:  # noqa: ANN401
-        """A subset of the targets, with all their starts."""
-
-
 class Blocks(Protocol):
     """A source of training blocks."""
 
@@ -235,7 +249,7 @@ class Blocks(Protocol):
     def recipe(self) -> dict[str, Any]:
         """What the blocks depend on, in brief."""
 
-    def block(self, seed: Sequence[int]) -> Block:
+    def block(self, seed: Sequence[int]) -> Rows:
         """The block of that seed: `worlds` times `targets` targets, shuffled."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,11 +23,11 @@ from tutorial_lib.learning.exploration_data import (
     training_plan,
     unseen_plan,
 )
-from tutorial_lib.learning.exploration_training import PanoramaObjective, predictions
+from tutorial_lib.learning.exploration_losses import PanoramaObjective, predictions
 from tutorial_lib.learning.panorama_batches import PanoramaBatch, PanoramaSource
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
+from tutorial_lib.learning.recipes import BaseRecipe
 from tutorial_lib.learning.settings import Settings
-from tutorial_lib.learning.training import train
 from tutorial_lib.learning.weights import Card
 
 FIRST_STOPPING, FIRST_CALIBRATING = 10_000, 10_016
@@ -35,32 +35,17 @@ FIRST_STOPPING, FIRST_CALIBRATING = 10_000, 10_016
 
 
 @dataclass(frozen=True)
-class NtsRecipe:
-    """All that a multi-task network comes from.
+class NtsRecipe(BaseRecipe):
+    """All that a multi-task network comes from; as many plans as for stopping are for calibration.
 
     Attributes:
-        name: of the weights.
-        command: that trains them.
-        architecture: of the network.
-        settings: of its training; its "targets" are groups of panoramas.
-        worlds: how many training plans, seeds 0 and up.
-        validation_worlds: how many plans for early stopping, and as many for calibration.
         panoramas: of each plan.
         masked: whether scores are learnt from unconnected pairs only, as in the paper.
     """
 
-    name: str
-    command: str
-    architecture: PanoramaArchitecture
-    settings: Settings
     worlds: int = 160
-    validation_worlds: int = 12
     panoramas: int = PANORAMAS
     masked: bool = False
-
-    def checkpoints(self, work: Path) -> tuple[Path]:
-        """File of the state of its training."""
-        return (work / f"{self.name}.pt",)
 
 
 STEPS = 6_500
@@ -109,29 +94,17 @@ def train_nts(recipe: NtsRecipe, work: Path, jobs: int = 2) -> tuple[PanoramaNet
     recorded = panorama_worlds(plans, work, recipe.panoramas, jobs)
     source = PanoramaSource(recorded, masked=recipe.masked)
     stopping = _unseen(recipe, FIRST_STOPPING, work, jobs)
-    spent = time.monotonic() - begun
-    network, progress = train(
-        recipe.architecture,
-        source,
-        stopping,
-        recipe.settings,
-        recipe.checkpoints(work)[0],
-        objective=PanoramaObjective(),
-    )
+    said, objective = {"worlds": recipe.worlds, **source.recipe}, PanoramaObjective()
+    network, card = recipe.train(source, stopping, work, begun, said, objective)
     begun = time.monotonic()
     calibrating = _unseen(recipe, FIRST_CALIBRATING, work, jobs)
     calibration, measured = calibrate_connection(network, calibrating)
-    spent += time.monotonic() - begun
-    card = Card(
-        recipe.name,
-        recipe.command,
-        recipe.architecture,
-        recipe={**asdict(recipe.settings), "worlds": recipe.worlds, **source.recipe},
-        validation={**progress.history[progress.best], **measured},
+    return network, replace(
+        card,
+        validation={**card.validation, **measured},
         calibration=asdict(calibration),
-        minutes=round((spent + progress.seconds) / 60, 1),
+        minutes=round(card.minutes + (time.monotonic() - begun) / 60, 1),
     )
-    return network, card
 
 
 def _unseen(recipe: NtsRecipe, first: int, work: Path, jobs: int) -> list[PanoramaBatch]:

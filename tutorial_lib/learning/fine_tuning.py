@@ -17,7 +17,7 @@ from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Experience
 from tutorial_lib.learning.analytic_label import HERE, AnalyticLabel
-from tutorial_lib.learning.batches import Batch, joined, posed
+from tutorial_lib.learning.batches import Batch, drawn, posed
 from tutorial_lib.learning.estimators import RelativeNetwork
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.training import Settings, train, validate
@@ -68,10 +68,7 @@ class OwnDrives:
 
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` drives, shuffled."""
-        rng = np.random.default_rng(seed)
-        chosen = rng.integers(len(self.experiences), size=self.worlds)
-        block = joined([self._drive(self.experiences[i], rng) for i in chosen])
-        return block.targets(rng.permutation(len(block.contexts)))
+        return drawn(self.experiences, self.worlds, self._drive, np.random.default_rng(seed))
 
     def _drive(self, experience: Experience, rng: np.random.Generator) -> Batch:
         seen = experience.observations

@@ -13,8 +13,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -23,14 +26,58 @@ from tutorial_lib.exploration.bearings import DIRECTIONS
 from tutorial_lib.exploration.frontier import CROP
 from tutorial_lib.exploration.labels import MAX_DISTANCE
 from tutorial_lib.exploration.local_map import RESOLUTION
+from tutorial_lib.learning.batches import Rows
 from tutorial_lib.learning.exploration_losses import SPREAD, listwise_loss, score_loss
-from tutorial_lib.learning.goal_map_batches import GoalMaps
 from tutorial_lib.learning.panorama_encoder import SENSORS
 from tutorial_lib.learning.panorama_network import HIDDEN
 
+FRONTIERS = 16
+"""Of a map, the nearest ones; farther ones are not learnt from."""
 _CHANNELS = (16, 24, 32)
 _LIST_WEIGHT = 0.5
 _WITHIN = 0.5  # metres by which a choice that counts as right may be longer
+
+
+@dataclass(frozen=True, eq=False)
+class GoalMaps(Rows):
+    """N half-explored maps.
+
+    Attributes:
+        crops: (N, CROP, CROP) uint8, see `interfaces.FrontierScorer`.
+        frontiers: (N, FRONTIERS, 3) x and y in the robot's frame, and metres to go.
+        remaining: (N, FRONTIERS) metres from a frontier to the goal; infinite for none.
+        pairs: (N, 12, HIDDEN) what the multi-task network has of each direction and the goal.
+    """
+
+    crops: NDArray[np.uint8]
+    frontiers: NDArray[np.float32]
+    remaining: NDArray[np.float32]
+    pairs: NDArray[np.float16]
+
+
+@dataclass(frozen=True)
+class GoalMapSource:
+    """Blocks of maps for `training.train`: any of all worlds.
+
+    Attributes:
+        recorded: the maps.
+        worlds: 1, since maps of all worlds are drawn together.
+        targets: of a block.
+    """
+
+    recorded: GoalMaps
+    worlds: int = 1
+    targets: int = 512
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What its blocks depend on, in brief."""
+        return {"maps": len(self.recorded), "block": [self.worlds, self.targets]}
+
+    def block(self, seed: Sequence[int]) -> GoalMaps:
+        """The block of that seed."""
+        rng = np.random.default_rng(seed)
+        return self.recorded.targets(rng.integers(len(self.recorded), size=self.targets))
 
 
 @dataclass(frozen=True)
@@ -57,7 +104,6 @@ class GoalMapNetwork(nn.Module):
     """From a map, its frontiers and what is seen to the score of each frontier."""
 
     def __init__(self, architecture: GoalMapArchitecture) -> None:
-        """Build an untrained network."""
         super().__init__()
         self.architecture = architecture
         sizes = (3, *_CHANNELS)
@@ -99,10 +145,6 @@ class GoalMapNetwork(nn.Module):
 
 class GoalMapObjective:
     """Squared error of scores and order of total paths; an objective for `training.train`."""
-
-    def build(self, architecture: GoalMapArchitecture) -> GoalMapNetwork:
-        """An untrained network."""
-        return GoalMapNetwork(architecture)
 
     def loss(self, network: GoalMapNetwork, batch: GoalMaps) -> Tensor:
         """Training loss of a batch."""

@@ -21,19 +21,21 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.frontier import CROP, SIDE, all_frontiers, crops
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.files import make_folder, save_arrays
-from tutorial_lib.learning.baseline_recipes import BaselineRecipe, train_baseline
 from tutorial_lib.learning.exploration_data import training_plan, unseen_plan
 from tutorial_lib.learning.exploration_recipes import FIRST_STOPPING
-from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMaps, GoalMapSource
 from tutorial_lib.learning.goal_map_network import (
+    FRONTIERS,
     GoalMapArchitecture,
     GoalMapNetwork,
     GoalMapObjective,
+    GoalMaps,
+    GoalMapSource,
 )
 from tutorial_lib.learning.imitation_data import EPISODES, counts_in_name, record_expert
+from tutorial_lib.learning.imitation_recipes import BaselineRecipe
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
-from tutorial_lib.learning.weights import Card, digest_of, load_network
+from tutorial_lib.learning.weights import Card, digest_of, load_card, load_network
 from tutorial_lib.parallel import for_each
 from tutorial_lib.reading.arrays import load_arrays
 from tutorial_lib.se2 import Array, to_local, to_world
@@ -237,4 +239,6 @@ def train_goal_map(
     plans = [unseen_plan(FIRST_STOPPING + i) for i in range(recipe.validation_worlds)]
     unseen = GoalMapSource(goal_maps(plans, seeing, work, recipe.episodes, jobs))
     validation = [unseen.block([FIRST_STOPPING, i]) for i in range(3)]
-    return train_baseline(recipe, source, validation, work, begun, GoalMapObjective())
+    start = load_card(recipe.start).sha256
+    said = {"start": start, "worlds": recipe.worlds, **source.recipe}
+    return recipe.train(source, validation, work, begun, said, GoalMapObjective())

@@ -8,15 +8,13 @@ to recover from mistakes (noise injection, Laskey et al. 2017).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from zlib import crc32
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
@@ -25,6 +23,7 @@ from tutorial_lib.exploration.motion import actions_towards
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.files import make_folder, save_arrays
 from tutorial_lib.geometry import Array
+from tutorial_lib.learning.batches import Rows, drawn
 from tutorial_lib.learning.panorama_batches import VARIED, recoloured
 from tutorial_lib.parallel import for_each
 from tutorial_lib.reading.arrays import load_arrays
@@ -120,9 +119,9 @@ def record_expert(
     Returns:
         Arrays by the names of `ExpertEpisodes`, and (E, T, 3) "odometry".
     """
-    drawn = draw_episodes(world, scene, counts, rng)
-    fields_ = GridPaths(scene.clearance).fields(drawn.goals[:, :2])
-    task, count = ExplorationTask({world: scene}, drawn, rng, limit=STEPS), len(drawn)
+    episodes = draw_episodes(world, scene, counts, rng)
+    fields_ = GridPaths(scene.clearance).fields(episodes.goals[:, :2])
+    task, count = ExplorationTask({world: scene}, episodes, rng, limit=STEPS), len(episodes)
     executed, over = np.full(count, STOP), np.zeros(count, np.intp)
     seen, odometry, labels, before = [], [], [], []
     length = np.zeros(count, np.intp)
@@ -143,7 +142,7 @@ def record_expert(
         "actions": np.stack(labels, axis=1).astype(np.int8),
         "previous": np.stack(before, axis=1).astype(np.int8),
         "length": length.astype(np.int16),
-        "goals": drawn.goals,
+        "goals": episodes.goals,
     }
 
 
@@ -157,7 +156,7 @@ def expert_actions(scene: Scene, paths: DistanceFields, poses: Array) -> NDArray
 
 
 @dataclass(frozen=True)
-class ImitationBatch:
+class ImitationBatch(Rows):
     """G parts of episodes of `WINDOW` actions, which begin anywhere.
 
     Attributes:
@@ -177,14 +176,6 @@ class ImitationBatch:
     previous: NDArray[np.int64]
     actions: NDArray[np.int64]
     used: NDArray[np.bool_]
-
-    def tensor(self, name: str) -> Tensor:
-        """One of the arrays."""
-        return torch.from_numpy(getattr(self, name))
-
-    def targets(self, groups: NDArray[np.intp] | slice) -> ImitationBatch:
-        """A subset of the episodes."""
-        return ImitationBatch(*(getattr(self, field.name)[groups] for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -211,13 +202,7 @@ class ImitationSource:
 
     def block(self, seed: Sequence[int]) -> ImitationBatch:
         """The block of that seed."""
-        rng = np.random.default_rng(seed)
-        drawn = rng.integers(len(self.recorded), size=self.worlds)
-        parts = [self._world(self.recorded[i], rng) for i in drawn]
-        names = [field.name for field in fields(ImitationBatch)]
-        whole = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        block = ImitationBatch(**whole)
-        return block.targets(rng.permutation(len(block.images)))
+        return drawn(self.recorded, self.worlds, self._world, np.random.default_rng(seed))
 
     def _world(self, world: ExpertEpisodes, rng: np.random.Generator) -> ImitationBatch:
         signs = str(rng.choice(SIGNS))

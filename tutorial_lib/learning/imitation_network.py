@@ -49,7 +49,6 @@ class ImitationNetwork(nn.Module):
     """From panoramas, a goal and the actions before to the logits of the next action."""
 
     def __init__(self, architecture: ImitationArchitecture) -> None:
-        """Build an untrained policy."""
         super().__init__()
         self.architecture = architecture
         self.pairs = PanoramaNetwork(PanoramaArchitecture(architecture.sensor))
@@ -77,10 +76,6 @@ class ImitationNetwork(nn.Module):
 
 class ImitationObjective:
     """Cross-entropy of the expert's actions; an objective for `training.train`."""
-
-    def build(self, architecture: ImitationArchitecture) -> ImitationNetwork:
-        """An untrained policy."""
-        return ImitationNetwork(architecture)
 
     def loss(self, network: ImitationNetwork, batch: ImitationBatch) -> Tensor:
         """Mean cross-entropy over the steps of a batch."""

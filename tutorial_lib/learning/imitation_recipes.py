@@ -3,25 +3,38 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import torch
 
-from tutorial_lib.learning.baseline_recipes import BaselineRecipe, train_baseline
 from tutorial_lib.learning.exploration_data import training_plan, unseen_plan
 from tutorial_lib.learning.exploration_recipes import FIRST_STOPPING
-from tutorial_lib.learning.imitation_data import ImitationSource, expert_episodes
+from tutorial_lib.learning.imitation_data import EPISODES, ImitationSource, expert_episodes
 from tutorial_lib.learning.imitation_network import (
     ImitationArchitecture,
     ImitationNetwork,
     ImitationObjective,
 )
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
+from tutorial_lib.learning.recipes import BaseRecipe
 from tutorial_lib.learning.settings import Settings
-from tutorial_lib.learning.weights import Card, load_network
+from tutorial_lib.learning.weights import Card, load_card, load_network
 
 STEPS = 4_000
+
+
+@dataclass(frozen=True)
+class BaselineRecipe(BaseRecipe):
+    """All that a network comes from that learns from the expert's episodes.
+
+    Attributes:
+        episodes: of each plan, by difficulty.
+    """
+
+    worlds: int = 160
+    validation_worlds: int = 8
+    episodes: dict[str, int] = field(default_factory=lambda: dict(EPISODES))
 
 
 def _recipe(sensor: str) -> BaselineRecipe:
@@ -66,14 +79,13 @@ def train_imitation(
     unseen = expert_episodes(plans, work, recipe.episodes, jobs)
     others = replace(source, recorded=unseen, targets=2, vary=False)
     validation = [others.block([FIRST_STOPPING, i]) for i in range(2)]
-    objective = ImitationObjective()
-    return train_baseline(recipe, source, validation, work, begun, objective, started)
+    start = load_card(recipe.start).sha256
+    said = {"start": start, "worlds": recipe.worlds, **source.recipe}
+    return recipe.train(source, validation, work, begun, said, ImitationObjective(), started)
 
 
-def _started(recipe: BaselineRecipe) -> ImitationNetwork | None:
+def _started(recipe: BaselineRecipe) -> ImitationNetwork:
     """A policy whose comparison with the goal has the weights of a multi-task network."""
-    if not recipe.start:
-        return None
     torch.manual_seed(recipe.settings.seed)
     network = ImitationNetwork(recipe.architecture)
     trained = load_network(recipe.start, wanted=PanoramaNetwork)

@@ -55,7 +55,7 @@ class HardNegativeMining:
         paths: GridPaths,
         rng: np.random.Generator,
     ) -> tuple[ReachabilityPairs, int]:
-        """WaypointPairs with RE above the threshold, by target, and the number of pairs queried.
+        """Pairs with RE above the threshold, by target, and the number of pairs queried.
 
         Of the far, occluded ones those with the highest RE are kept; the others are drawn.
         """
@@ -90,7 +90,8 @@ def all_logits(
     """
     instance("reachability", reachability, ReachabilityNetwork)
     instance("recorded", recorded, RecordedWorld)
-    starts, targets = floats("starts", starts, ("N", 3), empty=False), _frames(recorded, targets)
+    starts = floats("starts", starts, ("N", 3), empty=False)
+    targets = integers("targets", targets, ("N",), least=0, most=len(recorded.poses) - 1)
     alike(starts=starts, targets=targets)
     poses, which = np.unique(starts, axis=0, return_inverse=True)
     camera = reachability.view.camera
@@ -107,10 +108,6 @@ def all_logits(
         for rows in np.array_split(np.arange(len(starts)), 1 + len(starts) // _AT_ONCE)
     ]
     return np.concatenate(logits)
-
-
-def _frames(recorded: RecordedWorld, targets: NDArray[np.intp]) -> NDArray[np.intp]:
-    return integers("targets", targets, ("N",), least=0, most=len(recorded.poses) - 1)
 
 
 def mined_outcomes(

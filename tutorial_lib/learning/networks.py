@@ -69,7 +69,6 @@ class LocalNetwork(nn.Module):
     """Predicts waypoint, action, reachability or relative pose of a target in its context."""
 
     def __init__(self, architecture: Architecture) -> None:
-        """Build an untrained network."""
         super().__init__()
         self.architecture = instance("architecture", architecture, Architecture)
         self._size = architecture.looks_at.size

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of
+from tutorial_lib.learning.batches import Rows, drawn
 from tutorial_lib.learning.exploration_data import VERSION, PanoramaWorld
+from tutorial_lib.learning.views import with_channels
 from tutorial_lib.se2 import relative, wrap
 
 FARTHEST_PAIR = 12.0
@@ -27,7 +29,7 @@ on them no hue of the shifted palette is new."""
 
 
 @dataclass(frozen=True)
-class PanoramaBatch:
+class PanoramaBatch(Rows):
     """G groups of P panoramas; labels of pairs are indexed by source, then by goal.
 
     Attributes:
@@ -59,14 +61,6 @@ class PanoramaBatch:
     far: NDArray[np.float32]
     used: NDArray[np.bool_]
     signs: NDArray[np.bool_]
-
-    def tensor(self, name: str) -> Tensor:
-        """One of the arrays."""
-        return torch.from_numpy(getattr(self, name))
-
-    def targets(self, groups: NDArray[np.intp] | slice) -> PanoramaBatch:
-        """A subset of the groups."""
-        return PanoramaBatch(*(getattr(self, field.name)[groups] for field in fields(self)))
 
     def pairs(self) -> tuple[Tensor, Tensor, Tensor]:
         """Pairs (N,) to learn from: index among all, and of source and goal among panoramas."""
@@ -112,13 +106,7 @@ class PanoramaSource:
 
     def block(self, seed: Sequence[int]) -> PanoramaBatch:
         """The block of that seed: groups of `worlds` worlds, shuffled."""
-        rng = np.random.default_rng(seed)
-        drawn = rng.integers(len(self.recorded), size=self.worlds)
-        parts = [self._world(self.recorded[i], rng) for i in drawn]
-        names = [field.name for field in fields(PanoramaBatch)]
-        whole = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        block = PanoramaBatch(**whole)
-        return block.targets(rng.permutation(len(block.images)))
+        return drawn(self.recorded, self.worlds, self._world, np.random.default_rng(seed))
 
     def _world(self, world: PanoramaWorld, rng: np.random.Generator) -> PanoramaBatch:
         signs = str(rng.choice(sorted(world.images)))
@@ -219,7 +207,4 @@ def recoloured(images: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[n
     if rng.random() < 0.5:
         tables = 1.0 - tables
     tables = np.rint(255 * tables).astype(np.uint8)
-    changed = np.empty_like(images)
-    for channel, source in enumerate(rng.permutation(3)):
-        changed[..., channel] = tables[channel][images[..., source]]
-    return changed
+    return with_channels(images, rng.permutation(3), tables)

@@ -135,7 +135,6 @@ class PanoramaEncoder(nn.Module):
     """Encodes panoramas; turned by a multiple of 30 degrees, their features only change places."""
 
     def __init__(self, sensor: str) -> None:
-        """Build an untrained encoder for one of `SENSORS`."""
         super().__init__()
         self.sensor = sensor
         self.strip = CircularConvolution(3 * ROWS, WIDTH, 2 * _STRIDE, _STRIDE)

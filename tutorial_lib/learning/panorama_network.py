@@ -121,7 +121,6 @@ class PanoramaNetwork(nn.Module):
     """Shared encoder, and heads for connection, intra-node pose, openings and semantic scores."""
 
     def __init__(self, architecture: PanoramaArchitecture) -> None:
-        """Build an untrained network."""
         super().__init__()
         self.architecture = architecture
         self.encoder = PanoramaEncoder(architecture.sensor)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -12,8 +13,8 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.smoothed import SHARE, SmoothedPolicy
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
-from tutorial_lib.interfaces import Controller, LocalController, Policy, Targets
-from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.interfaces import Controller, Policy, Targets
+from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
 from tutorial_lib.learning.views import View
 from tutorial_lib.validation import instance, integers, with_methods
 from tutorial_lib.world.simulation import Simulation
@@ -34,14 +35,11 @@ class Encoder(Protocol):
         """Targets from images (M, 2k+1, H, W, C), indexable by an array."""
 
 
-class TargetController(Encoder, LocalController, Protocol):
-    """A `LocalController` that makes its own targets, as `DirectNetwork` does."""
-
-
 def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
     """C = C_RMP after C_WP, without memory: what RE learns from."""
     with_methods("predictor", predictor, "prepare", "predict")
-    return _factory(predictor, ComposedController(predictor, RMPController()))
+    controller = ComposedController(predictor, RMPController())
+    return _factory(predictor, lambda targets: TargetPolicy(controller, targets))
 
 
 def by_smoothed_waypoints(
@@ -55,18 +53,12 @@ def by_smoothed_waypoints(
         controller: C_RMP, the library's unless given.
     """
     rmp = RMPController() if controller is None else controller
-
-    def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
-        del simulation
-        targets = encoded(predictor, recorded, frames)
-        return SmoothedPolicy(predictor, rmp, targets, share)
-
-    return make
+    return _factory(predictor, lambda targets: SmoothedPolicy(predictor, rmp, targets, share))
 
 
-def directly(network: TargetController) -> PolicyFactory:
+def directly(network: DirectNetwork) -> PolicyFactory:
     """From images to speed and steering."""
-    return _factory(network, network)
+    return _factory(network, lambda targets: TargetPolicy(network, targets))
 
 
 def encoded(
@@ -83,9 +75,9 @@ def encoded(
     return network.prepare(network.view.render(recorded.scene, poses))[which]
 
 
-def _factory(network: Encoder, controller: LocalController) -> PolicyFactory:
+def _factory(network: Encoder, policy: Callable[[Targets], Policy]) -> PolicyFactory:
     def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
         del simulation
-        return TargetPolicy(controller, encoded(network, recorded, frames))
+        return policy(encoded(network, recorded, frames))
 
     return make

@@ -11,7 +11,7 @@ from tutorial_lib.driving.data.reachability_pairs import STARTS
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.batches import Batch, joined, posed
+from tutorial_lib.learning.batches import Batch, drawn, posed
 from tutorial_lib.learning.networks import Architecture
 
 NEAR_IN_TIME, FAR_IN_TIME = 20, 100
@@ -72,17 +72,16 @@ class OutcomeSource:
 
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` worlds, shuffled."""
-        rng = np.random.default_rng(seed)
-        chosen = rng.integers(len(self.labelled), size=self.worlds)
-        block = joined([self._world(self.labelled[i], rng) for i in chosen])
-        return block.targets(rng.permutation(len(block.contexts)))
+        return drawn(self.labelled, self.worlds, self._world, np.random.default_rng(seed))
 
     def _world(self, world: LabelledWorld, rng: np.random.Generator) -> Batch:
         shares = [(world.outcomes, self.targets)]
         if world.mined is not None and len(world.mined):
             from_mined = rng.binomial(self.targets, self.mined)
             shares = [(world.outcomes, self.targets - from_mined), (world.mined, from_mined)]
-        return joined([self._part(world.recorded, *share, rng) for share in shares if share[1]])
+        return Batch.joined(
+            [self._part(world.recorded, *share, rng) for share in shares if share[1]]
+        )
 
     def _part(
         self,
@@ -130,10 +129,7 @@ class ProximitySource:
 
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` worlds, shuffled."""
-        rng = np.random.default_rng(seed)
-        chosen = rng.integers(len(self.recorded_worlds), size=self.worlds)
-        block = joined([self._world(self.recorded_worlds[i], rng) for i in chosen])
-        return block.targets(rng.permutation(len(block.contexts)))
+        return drawn(self.recorded_worlds, self.worlds, self._world, np.random.default_rng(seed))
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
         frames = rng.integers(len(recorded.poses), size=self.targets)

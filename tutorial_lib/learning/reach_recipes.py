@@ -28,7 +28,7 @@ from tutorial_lib.learning.reach_batches import (
     ProximitySource,
     TimeSource,
 )
-from tutorial_lib.learning.recipes import recorded_worlds_of, seen_with
+from tutorial_lib.learning.recipes import Recipe, recorded_worlds_of, seen_with
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.views import named_for
 from tutorial_lib.learning.weights import Card, load_card, load_network
@@ -52,7 +52,7 @@ class ReachRecipe:
         name: of the weights.
         command: that trains them.
         controller: weights of the C_WP whose rollouts it learns from, and whose encoder
-            initializes it; none for SPTM's.
+            initializes it.
         targets: of the pairs in each world, with five starts each.
         architecture: of the network.
         first: settings of the training on pairs drawn at random.
@@ -95,24 +95,20 @@ REACHABILITY = {
     "laser": _recipe("laser", "laser_k2", 300, (22_000, 8_000), Architecture(2, view="laser")),
 }
 """What `train reachability --k` can train, besides SPTM's."""
-SPTM = ReachRecipe(
+SPTM = Recipe(
     "sptm",
     "train reachability --k sptm",
-    "",
-    0,
     Architecture(0, outputs="reachability"),
     Settings(max_steps=12_000),
-    Settings(max_steps=0),
+    worlds=WORLDS,
 )
 """SPTM's network: temporal proximity of two images, trained from scratch on the same data."""
-VING = ReachRecipe(
+VING = Recipe(
     "ving",
     "train reachability --k ving",
-    "",
-    0,
     Architecture(0, view="rgbd16", outputs="relative"),
     Settings(max_steps=12_000),
-    Settings(max_steps=0),
+    worlds=WORLDS,
 )
 """ViNG's: how soon a drive comes from one image to another, and where that is."""
 OF_TIME = {"sptm": SPTM, "ving": VING}
@@ -120,7 +116,7 @@ OF_TIME = {"sptm": SPTM, "ving": VING}
 
 
 def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[LocalNetwork, Card]:
-    """Train RE for one controller, including its rollouts and hard negatives; or another network.
+    """Train RE for one controller, including its rollouts and hard negatives.
 
     Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
 
@@ -132,8 +128,6 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     Returns:
         The network and its card, which holds its calibration.
     """
-    if not recipe.controller:
-        return train_proximity(recipe, work)
     begun = time.monotonic()
     training = labelled_worlds(
         recipe, [training_world(FIRST_WORLD + i) for i in range(WORLDS)], work, jobs
@@ -184,7 +178,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
 def labelled_worlds(
     recipe: ReachRecipe, worlds: list[str], work: Path, jobs: int
 ) -> list[LabelledWorld]:
-    """WaypointPairs in `worlds` and their outcomes, recorded where they are missing."""
+    """Pairs in `worlds` and their outcomes, recorded where they are missing."""
     targets = recipe.targets if worlds[0] == training_world(FIRST_WORLD) else VALIDATION_TARGETS
     files = record_outcomes(worlds, recipe.controller, targets, CARS, work, jobs)
     known = recipe_of(recipe.controller, targets, CARS)
@@ -236,25 +230,15 @@ def calibrate(
     return isotonic, {name: round(value, 4) for name, value in measured.items()}
 
 
-def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card]:
+def train_proximity(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     """Train SPTM's network, or ViNG's, from scratch on the same trajectories."""
     recorded_worlds = recorded_worlds_of(
-        [training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work
+        [training_world(FIRST_WORLD + i) for i in range(recipe.worlds)], recipe.cars, work
     )
     made = TimeSource if recipe.architecture.outputs == "relative" else ProximitySource
     source = made(recorded_worlds, recipe.architecture)
-    stopping = recorded_worlds_of([validation_world(seed) for seed in STOPPING], CARS, work)
+    stopping = recorded_worlds_of([validation_world(seed) for seed in STOPPING], recipe.cars, work)
     others = replace(source, recorded_worlds=stopping, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
-    checkpoint = recipe.checkpoints(work)[0]
-    network, progress = train(recipe.architecture, source, validation, recipe.first, checkpoint)
-    card = Card(
-        recipe.name,
-        recipe.command,
-        recipe.architecture,
-        recipe={**asdict(recipe.first), **source.recipe},
-        validation=progress.history[progress.best],
-        calibration=asdict(Calibration()),
-        minutes=round(progress.seconds / 60, 1),
-    )
-    return network, card
+    network, card = recipe.train(source, validation, work, time.monotonic(), source.recipe)
+    return network, replace(card, calibration=asdict(Calibration()))

@@ -4,7 +4,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
+
+from torch import nn
 
 from tutorial_lib.driving.control.oracle import PARKING
 from tutorial_lib.driving.data.demonstrations import record_demonstrations
@@ -12,9 +14,9 @@ from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import load_trajectories
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning.batches import Source
+from tutorial_lib.learning.batches import Blocks, Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
-from tutorial_lib.learning.training import Settings, train
+from tutorial_lib.learning.training import LOCAL, Objective, Settings, train
 from tutorial_lib.learning.views import DEGREES, CameraView, named_for
 from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.parallel import for_each
@@ -28,55 +30,92 @@ FIRST_VALIDATION_WORLD = 10_000
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """All that a trained network comes from.
+class BaseRecipe:
+    """What the recipes have in common of networks that are trained once.
 
     Attributes:
         name: of the weights.
         command: that trains them.
         architecture: of the network.
-        settings: of its training.
-        start: name of the weights that it starts from, where name and shape match; none if empty.
-        worlds: how many training worlds, seeds 0 and up.
-        validation_worlds: how many, seeds 10,000 and up.
-        cars: that drive in each world for demonstrations.
+        settings: of its training; its "targets" are what a batch of its data counts.
+        start: name of the weights that it starts from, or reads; none if empty.
+        worlds: how many training worlds; seeds 0 and up, unless its training says otherwise.
+        validation_worlds: how many for early stopping, seeds 10,000 and up.
     """
 
     name: str
     command: str
-    architecture: Architecture
+    architecture: Any
     settings: Settings = field(default_factory=Settings)
     start: str = ""
     worlds: int = 120
     validation_worlds: int = 12
-    cars: int = 16
 
     def checkpoints(self, work: Path) -> tuple[Path]:
         """File of the state of its training."""
         return (work / f"{self.name}.pt",)
+
+    def train(
+        self,
+        source: Blocks,
+        validation: Sequence[Any],
+        work: Path,
+        begun: float,
+        said: dict[str, Any],
+        objective: Objective = LOCAL,
+        init_from: nn.Module | None = None,
+    ) -> tuple[Any, Card]:
+        """Train on data that are ready.
+
+        Args:
+            source: of its batches.
+            validation: batches of worlds that it is not trained on.
+            work: folder for the checkpoint.
+            begun: when the data were begun, by `time.monotonic`.
+            said: what the card says of its data, after the settings.
+            objective: see `train`.
+            init_from: see `train`.
+
+        Returns:
+            The network and its card.
+        """
+        prepared = time.monotonic() - begun
+        network, progress = train(
+            self.architecture,
+            source,
+            validation,
+            self.settings,
+            self.checkpoints(work)[0],
+            init_from=init_from,
+            objective=objective,
+        )
+        card = Card(
+            self.name,
+            self.command,
+            self.architecture,
+            recipe={**asdict(self.settings), **said},
+            validation=progress.history[progress.best],
+            minutes=round((prepared + progress.seconds) / 60, 1),
+        )
+        return network, card
+
+
+@dataclass(frozen=True)
+class Recipe(BaseRecipe):
+    """All that a network of local control comes from.
+
+    Attributes:
+        cars: that drive in each world for demonstrations.
+    """
+
+    cars: int = 16
 
     def with_degrees(self, degrees: int) -> "Recipe":
         """The recipe of the same network for a camera of so many degrees, see `seen_with`."""
         return replace(self, start=named_for(self.start, degrees), **seen_with(self, degrees))
 
 
-class Named(Protocol):
-    """What recipes have in common."""
-
-    @property
-    def name(self) -> str:
-        """Of the weights."""
-
-    @property
-    def command(self) -> str:
-        """That trains them."""
-
-    @property
-    def architecture(self) -> Architecture:
-        """Of the network."""
-
-
-def seen_with(recipe: Named, degrees: int) -> dict[str, Any]:
+def seen_with(recipe: Any, degrees: int) -> dict[str, Any]:  # noqa: ANN401 - any recipe
     """What a recipe says otherwise for a camera of so many degrees: name, command, architecture.
 
     Raises:
@@ -141,29 +180,13 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
         vary=False,
     )
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
-    prepared = time.monotonic() - begun
-    network, progress = train(
-        recipe.architecture,
-        source,
-        validation,
-        recipe.settings,
-        recipe.checkpoints(work)[0],
-        init_from=load_network(recipe.start) if recipe.start else None,
-    )
-    card = Card(
-        recipe.name,
-        recipe.command,
-        recipe.architecture,
-        recipe={
-            **asdict(recipe.settings),
-            "start": load_card(recipe.start).sha256 if recipe.start else "",
-            "worlds": recipe.worlds,
-            "cars": recipe.cars,
-        },
-        validation=progress.history[progress.best],
-        minutes=round((prepared + progress.seconds) / 60, 1),
-    )
-    return network, card
+    said = {
+        "start": load_card(recipe.start).sha256 if recipe.start else "",
+        "worlds": recipe.worlds,
+        "cars": recipe.cars,
+    }
+    start = load_network(recipe.start) if recipe.start else None
+    return recipe.train(source, validation, work, begun, said, init_from=start)
 
 
 def worlds_of(recipe: Recipe) -> tuple[list[str], list[str]]:

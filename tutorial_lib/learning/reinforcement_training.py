@@ -27,11 +27,11 @@ from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.reinforcement_environment import PolicyEnvironments
 from tutorial_lib.learning.reinforcement_network import (
     THOUGHT,
+    LearnedReinforcement,
     ReinforcementArchitecture,
     ReinforcementNetwork,
     Trunk,
 )
-from tutorial_lib.learning.reinforcement_policy import LearnedReinforcement
 from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.world.noise import STOP

@@ -1,8 +1,9 @@
 """One plain training loop: seeded, resumable, with a progress bar."""
 
 import io
+import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Protocol
@@ -14,12 +15,11 @@ from tqdm.auto import tqdm
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.batches import Batch, Blocks, batches
-from tutorial_lib.learning.checkpoints import check_optimizer, check_weights, progress_of
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
-from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.networks import LocalNetwork
 from tutorial_lib.learning.settings import Progress, Settings
 from tutorial_lib.learning.threads import use_threads
-from tutorial_lib.learning.weights import digest_of
+from tutorial_lib.learning.weights import check_like, digest_of, untrained
 from tutorial_lib.reading.checksums import sealed, unsealed
 from tutorial_lib.reading.limits import MAX_CHECKPOINT
 from tutorial_lib.reading.regular import read_bytes
@@ -28,9 +28,6 @@ from tutorial_lib.validation import instance, instances, path_of, with_methods
 
 class Objective(Protocol):
     """What kind of network is trained, and for what."""
-
-    def build(self, architecture: Any) -> nn.Module:  # noqa: ANN401 - of that kind of network
-        """An untrained network."""
 
     def loss(self, network: Any, batch: Any) -> Tensor:  # noqa: ANN401 - of that kind
         """Training loss of a batch."""
@@ -42,9 +39,6 @@ class Objective(Protocol):
 class _LocalObjective:
     """Networks of local control."""
 
-    def build(self, architecture: Architecture) -> LocalNetwork:
-        return LocalNetwork(architecture)
-
     def loss(self, network: LocalNetwork, batch: Batch) -> Tensor:
         return total_loss(network, batch)
 
@@ -54,6 +48,8 @@ class _LocalObjective:
 
 LOCAL = _LocalObjective()
 """Of the networks of local control."""
+_MOMENTS = ("exp_avg", "exp_avg_sq")
+"""What Adam keeps of each parameter, besides its number of steps."""
 
 
 def train(
@@ -62,19 +58,17 @@ def train(
     validation: Sequence[Any],
     settings: Settings,
     checkpoint: Path | None = None,
-    on_evaluation: Callable[[Any, Progress], None] | None = None,
     init_from: nn.Module | None = None,
     objective: Objective = LOCAL,
 ) -> tuple[Any, Progress]:
     """Train a network from scratch or resume from `checkpoint`, with the same resulting weights.
 
     Args:
-        architecture: of the network.
+        architecture: of the network, one of `weights.KINDS`.
         source: of its batches.
         validation: batches of worlds that it is not trained on.
         settings: all else.
         checkpoint: file to which the state is saved at every evaluation.
-        on_evaluation: called with the network and the progress after every evaluation.
         init_from: trained network whose weights are copied where name and shape match.
         objective: what kind of network it is, and its losses.
 
@@ -87,15 +81,13 @@ def train(
     with_methods("source", source, "block")
     with_methods("validation", validation, "__len__", "__getitem__")
     instance("settings", settings, Settings)
-    with_methods("objective", objective, "build", "loss", "measure")
+    with_methods("objective", objective, "loss", "measure")
     checkpoint = None if checkpoint is None else path_of("checkpoint", checkpoint)
-    if on_evaluation is not None:
-        with_methods("on_evaluation", on_evaluation, "__call__")
     if init_from is not None:
         instance("init_from", init_from, nn.Module)
     use_threads(settings.threads)
     torch.manual_seed(settings.seed)
-    fresh = objective.build(architecture)
+    fresh = untrained(architecture)
     if init_from is not None:
         copy_matching_weights(fresh, init_from)
     initial = "" if init_from is None else digest_of(init_from)
@@ -115,8 +107,6 @@ def train(
             bar.set_postfix({name: f"{value:.3f}" for name, value in evaluation.items()})
             if checkpoint is not None:
                 state.save(checkpoint)
-            if on_evaluation is not None:
-                on_evaluation(network, progress)
     bar.close()
     coming.close()
     network.load_state_dict(state.best)
@@ -210,9 +200,9 @@ class _State:
             state = torch.load(io.BytesIO(unsealed(data)), weights_only=True)
             if state["recipe"] == self.recipe:
                 # All of it is looked at before any of it is taken over.
-                progress = progress_of(state, self.settings)
-                check_weights(state, self.network.state_dict())
-                check_optimizer(state, self.optimizer, self.network)
+                progress = _progress_of(state, self.settings)
+                _check_weights(state, self.network.state_dict())
+                _check_optimizer(state, self.optimizer, self.network)
                 self.network.load_state_dict(state["network"])
                 self.optimizer.load_state_dict(state["optimizer"])
                 self.best, self.progress = state["best"], progress
@@ -222,6 +212,79 @@ class _State:
             why = error if isinstance(error, InputError) else type(error).__name__
             raise InputError(f"{path}: a damaged checkpoint ({why}); {advice}") from error
         raise InputError(f"{path}: a checkpoint of another training, {state['recipe']}; {advice}")
+
+
+def _progress_of(state: dict[str, Any], settings: Settings) -> Progress:
+    """How far a training had got.
+
+    Raises:
+        InputError: when steps, seconds or evaluations make no sense.
+    """
+    step, history, seconds = state["step"], state["history"], state["seconds"]
+    if type(step) is not int or not 0 <= step <= settings.max_steps:
+        raise InputError(f"step: {step!r:.40} of {settings.max_steps}")
+    if type(seconds) is not float or not 0 <= seconds < math.inf:
+        raise InputError(f"seconds: {seconds!r:.40}")
+    if type(history) is not list or not all(type(entry) is dict for entry in history):
+        raise InputError("history: not a list of evaluations")
+    for entry in history:
+        numbers = all(type(value) in (int, float) for value in entry.values())
+        if not numbers or not {"step", "training", "validation"} <= entry.keys():
+            raise InputError(f"history: {entry!r:.80}")
+        if not math.isfinite(entry["validation"]):
+            raise InputError(f"history: validation {entry['validation']}")
+    steps = [entry["step"] for entry in history]
+    if steps != sorted(set(steps)) or (steps and not 0 < steps[0] <= steps[-1] <= step):
+        raise InputError(f"history: evaluations at steps {steps!r:.80} of {step}")
+    return Progress(step, history, seconds)
+
+
+def _check_weights(state: dict[str, Any], own: dict[str, Tensor]) -> None:
+    """Check the weights that a training had, and the best ones, against the network's.
+
+    Raises:
+        InputError: naming the tensor that is missing, of another kind or shape, or not finite.
+    """
+    for part in ("network", "best"):
+        found = state[part]
+        if set(found) != set(own):
+            raise InputError(f"{part}: other tensors than the network's")
+        for name, value in found.items():
+            if not isinstance(value, Tensor) or value.dtype != own[name].dtype:
+                raise InputError(f"{part}: tensor {name} is of another kind")
+        check_like(found, own)
+
+
+def _check_optimizer(state: dict[str, Any], own: torch.optim.Optimizer, network: nn.Module) -> None:
+    """Check the state of Adam against a new one for the same network.
+
+    Raises:
+        InputError: when parts are missing, or have other kinds or shapes, or are not finite.
+    """
+    found, fresh = state["optimizer"], own.state_dict()
+    known = [
+        {key: value for key, value in group.items() if key != "lr"}  # it follows from the step
+        for groups in (found["param_groups"], fresh["param_groups"])
+        for group in groups
+    ]
+    if known[: len(known) // 2] != known[len(known) // 2 :]:
+        raise InputError("optimizer: other settings than the training's")
+    parameters = dict(enumerate(network.named_parameters()))
+    moved = found["state"].keys()  # it keeps nothing of parameters that no loss depends on
+    if not moved <= parameters.keys() or bool(moved) != bool(state["step"]):
+        raise InputError("optimizer: other parameters than the network's")
+    for number, moments in found["state"].items():
+        name, parameter = parameters[number]
+        if set(moments) != {"step", *_MOMENTS}:
+            raise InputError(f"optimizer: {name} has {', '.join(map(str, moments))!s:.80}")
+        if not all(isinstance(value, Tensor) for value in moments.values()):
+            raise InputError(f"optimizer: {name} has what is no tensor")
+        like = dict.fromkeys(_MOMENTS, parameter) | {"step": torch.zeros(())}
+        check_like(moments, like)
+        if any(moments[key].dtype != parameter.dtype for key in _MOMENTS):
+            raise InputError(f"optimizer: {name} is of another kind")
+        if not 0 < moments["step"] <= state["step"] or (moments["exp_avg_sq"] < 0).any():
+            raise InputError(f"optimizer: {name} has another number of steps, or a negative square")
 
 
 def _copy(network: nn.Module) -> dict[str, Tensor]:

@@ -131,7 +131,7 @@ class CameraView:
         return [
             np.stack(
                 [
-                    _recoloured(p, order, tables)
+                    with_channels(p, order, tables)
                     for p, order, tables in zip(group, order, tables, strict=True)
                 ]
             )
@@ -300,7 +300,7 @@ def check_camera(network: str, seen: Observation, wanted: Camera | PanoramicCame
         )
 
 
-def _recoloured(
+def with_channels(
     images: NDArray[np.uint8], order: NDArray[np.intp], tables: NDArray[np.uint8]
 ) -> NDArray[np.uint8]:
     """Images (..., 3) with channels in another `order` (3,), each through its table (3, 256)."""

@@ -249,6 +249,11 @@ def _network_of(card: Card, wanted: type[Network], path: Path) -> Network:
     return wanted(card.architecture)
 
 
+def untrained(architecture: Any) -> nn.Module:  # noqa: ANN401 - one of KINDS
+    """A network of this architecture; `LocalNetwork` refuses what is none."""
+    return dict(KINDS.values()).get(type(architecture), LocalNetwork)(architecture)
+
+
 def digest_of(network: nn.Module) -> str:
     """A short name for a network's weights: the same ones have the same."""
     found = hashlib.sha256()
