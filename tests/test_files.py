@@ -266,7 +266,7 @@ def test_a_new_file_gets_the_rights_that_the_umask_leaves(tmp_path, mask):
 
 
 @POSIX
-@pytest.mark.parametrize("mode", [0o600, 0o664, 0o640])
+@pytest.mark.parametrize("mode", [0o600, 0o664, 0o640, 0o444])
 def test_a_file_keeps_its_rights(tmp_path, mode):
     path = tmp_path / "a.txt"
     path.write_text("old")

@@ -1,13 +1,11 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.linalg import logm
 
 from tutorial_lib.geometry import (
     compose,
     distance_to_segments,
     inverse,
-    log_norm,
     relative,
     to_local,
     to_world,
@@ -58,11 +56,6 @@ def test_compose_is_associative(a, b, c):
 @given(pose)
 def test_inverse_gives_the_identity(p):
     assert same_pose(compose(p, inverse(p)), np.zeros(3))
-
-
-@given(pose)
-def test_log_norm_is_that_of_the_matrix_logarithm(p):
-    assert np.isclose(log_norm(p), np.linalg.norm(logm(matrix(p))), rtol=1e-6, atol=1e-6)
 
 
 def test_batches_give_what_single_poses_give():

@@ -53,9 +53,9 @@ def atomic_paths(*paths: str | Path) -> Iterator[list[Path]]:
     with _temporaries(places) as temporaries:
         yield temporaries
         for temporary, path in zip(temporaries, places, strict=True):
+            _settle(temporary)  # before it may get a mode by which it cannot be opened
             if path.exists():
                 shutil.copymode(path, temporary)
-            _settle(temporary)
         for temporary, path in zip(temporaries, places, strict=True):
             os.replace(temporary, path)
 

@@ -19,7 +19,6 @@ __all__ = [
     "compose",
     "distance_to_segments",
     "inverse",
-    "log_norm",
     "relative",
     "to_local",
     "to_world",
@@ -94,27 +93,6 @@ def inverse(pose: ArrayLike) -> Array:
     [-0.0, 1.0, -1.570796]
     """
     return se2.inverse(floats("pose", pose, (..., 3)))
-
-
-def log_norm(pose: ArrayLike) -> Array:
-    """Size of a motion, the Frobenius norm of the SE(2) logarithm (LTVN, edge length).
-
-    With T the 3 x 3 matrix of the pose, log T holds the heading twice and the twist's translation,
-    whose length is the chord |t| stretched to the arc: |t| (theta/2) / sin(theta/2).
-
-    Args:
-        pose: (..., 3).
-
-    Returns:
-        (...) the norm ``sqrt(2 theta^2 + |u|^2)``.
-
-    >>> float(log_norm([3.0, 4.0, 0.0]))
-    5.0
-    """
-    pose = floats("pose", pose, (..., 3))
-    heading = se2.wrap(pose[..., 2])
-    stretch = 1.0 / np.sinc(heading / (2 * np.pi))
-    return np.sqrt(2 * heading**2 + (stretch * np.linalg.norm(pose[..., :2], axis=-1)) ** 2)
 
 
 def arc_length(points: ArrayLike) -> Array:

@@ -474,7 +474,7 @@ def test_sptm_keeps_every_nth_image_and_joins_what_is_alike():
     places = topomap.vertices.observations[topomap.alive].odometry[:, 0]
     assert places[:6] == pytest.approx([0, 1, 2, 3, 4, 4.95])
     assert topomap.paths == [list(range(6)), list(range(6, 12)), list(range(12, 18))]
-    assert [topomap.path_of(v)[1] for v in (0, 5, 6, 17)] == [0, 5, 0, 5]
+    assert topomap.place[[0, 5, 6, 17]].tolist() == [0, 5, 0, 5]
     driven = {edge for edge, (_, often) in edges_of(topomap).items() if often}
     assert driven == {(a, b) for path in topomap.paths for a, b in zip(path, path[1:])}  # noqa: B905, RUF007
     for a in range(18):

@@ -1,5 +1,7 @@
 """Agents that explore, step by step: choices, missed goals, and what is left when all is known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -317,10 +319,12 @@ def test_by_the_papers_rule_a_reached_ghost_makes_no_node_where_the_robot_is_loc
 def test_a_goal_is_remembered_from_the_node_that_sees_it_and_from_no_other():
     agent = NTSAgent(Hall(), np.random.default_rng(0))
     agent._model.relative = lambda sources, goals: np.column_stack([0 * sources[:, 0], sources])
-    nodes, goal = np.array([[1.0], [2.0]], np.float32), np.zeros(1, np.float32)
+    memory = SimpleNamespace(features=np.array([[1.0], [2.0]], np.float32))
+    agent.robots = [SimpleNamespace(memory=memory)]
+    agent.search = SimpleNamespace(goals=np.zeros((1, 1), np.float32))
     for likely, node in (([0.2, 0.6], 1), ([0.9, 0.6], 0), ([0.4, 0.49], None)):
         agent._model.same_node = lambda sources, goals, likely=likely: np.array(likely)
-        found = agent._remembered(nodes, goal)
+        found = agent._recalled(0)
         assert (None if found is None else found.node) == node
         if found is not None:
             assert found.place.tolist() == [node + 1.0, 0.0]

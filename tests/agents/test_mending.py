@@ -15,6 +15,7 @@ from tests.agents.line import (
     navigation_over,
 )
 from tutorial_lib.agents.mending import MendingMengAgent, MendingNavigation
+from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Plan
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules
 
@@ -34,7 +35,7 @@ def sent(wall=np.inf, seen=np.inf, start=0.0, find_path=None):
         topomap.connect(source, source + 1, 0.9, driven=1)
         topomap.connect(source + 1, source, 0.9, driven=1)
     upkeep = Maintenance(topomap.graph.copy(), MaintenanceRules(), 1.0, 1.0)
-    mending = partial(MendingNavigation, upkeep=upkeep, doubt=DOUBT)
+    mending = partial(MendingNavigation, upkeep, DOUBT)
     find_path = find_path or Plans(ALONG)
     navigation = navigation_over(topomap, find_path, [goals_at(7.0)], kind=mending)
     return Line([start], wall, seen), navigation, topomap.graph, upkeep
@@ -129,3 +130,9 @@ def test_with_what_is_learned_upkeep_begins_anew_from_what_re_said():
     assert agent.topomap.graph.edges[0, 1]["weight"] == pytest.approx(-np.log(0.9))
     agent.upkeep.prune_edge((0, 1))
     assert agent.topomap.graph.has_edge(0, 1)
+
+
+def test_an_agent_that_has_learned_nothing_says_so():
+    agent = MendingMengAgent(predictor=LinePredictor(), reachability=LineReachability())
+    with pytest.raises(InputError, match="map: none; let the agent learn first"):
+        agent.start([goals_at(1.0)])

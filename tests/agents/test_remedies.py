@@ -88,6 +88,16 @@ def test_a_map_goes_with_the_remedies_that_made_it():
         agent.with_remedies(Remedies.named("no_sequence"))
 
 
+@pytest.mark.parametrize(
+    "begin", [lambda agent: agent.start([goals_at(1)]), lambda agent: agent.guess(1)]
+)
+def test_an_agent_that_has_learned_nothing_says_so(begin):
+    agent = agent_on_line()
+    agent.topomap = agent.empty_map()
+    with pytest.raises(InputError, match="map: none; let the agent learn first"):
+        begin(agent)
+
+
 # Navigation.
 
 

@@ -273,7 +273,6 @@ DOORS = {
         paths=a(paths()),
         goals=goals((2, 2)),
         controller=a(RMP, optional=True),
-        reach=number(2.0, above=0),
     ),
     "OraclePolicy.act": lambda: call(
         driving.OraclePolicy(robots(), paths(), GOALS).act, **under_way()
@@ -338,6 +337,7 @@ DOORS = {
         observations=a(robots().observe()),
         waypoints=floats(POINTS * 0.2, (2, 2)),
     ),
+    "RMPController.for_robots": lambda: call(RMP.for_robots, observations=a(robots().observe())),
     "cover": lambda: call(rmp_arcs.cover, body=a(BicycleCar())),
     # recorded data
     "Trajectory": lambda: call(
@@ -425,7 +425,6 @@ DOORS = {
         perturbation=a(driving.PAPER_PERTURBATION),
         rng=a(rng()),
         body=a(BicycleCar(), optional=True),
-        tries=whole(2, least=0, refuses="huge"),
     ),
     "draw_episodes": lambda: call(
         driving.draw_episodes,
@@ -472,7 +471,6 @@ DOORS = {
         count=whole(1, least=0, refuses="huge"),
         seed=whole(1, least=0),
         controller=a(RMP, optional=True),
-        control_noise=number(0.0, least=0, refuses="huge"),
         odometry_noise=a(None, optional=True),
     ),
     "demonstrate_between": lambda: call(
@@ -504,7 +502,6 @@ DOORS = {
         seed=whole(1, least=0),
         world=text("box"),
         count=whole(1, least=0),
-        control_noise=number(0.0, least=0),
     ),
 }
 WITHOUT = {}

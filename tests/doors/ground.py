@@ -103,7 +103,6 @@ DOORS = {
     "compose": lambda: pose_pair(geometry.compose, "first", "second"),
     "relative": lambda: pose_pair(geometry.relative, "origin", "pose"),
     "inverse": lambda: call(geometry.inverse, pose=floats(POSES, (..., 3))),
-    "log_norm": lambda: call(geometry.log_norm, numbers, pose=floats(POSES, (..., 3))),
     "arc_length": lambda: call(
         geometry.arc_length,
         numbers,

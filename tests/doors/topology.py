@@ -166,7 +166,6 @@ DOORS = {
         sensor=function(lambda seen: np.ones((len(seen), 2))),
         settings=a(topology.FilterSettings(), optional=True),
     ),
-    "BayesFilter.forget": lambda: call(filter_of_two().forget, robot=whole(1, least=0, most=1)),
     "BayesFilter.observe": lambda: call(
         filter_of_two().observe,
         observations=a(SEEN[:2]),
@@ -274,7 +273,6 @@ DOORS = {
         place=integers([0, 1, 2], ("N",), least=0),
         prepared=a(np.arange(3), optional=True),
     ),
-    "TopoMap.path_of": lambda: call(topomap().path_of, vertex=whole(2, least=0, most=4)),
     "TopoMap.remove": lambda: call(
         topomap().remove, vertices=integers([0, 1], ("N",), least=0, most=4)
     ),
@@ -287,7 +285,6 @@ DOORS = {
         topomap=a(topomap()),
         predictor=a(ROBOT),
         targets=a(np.arange(5)),
-        candidates=whole(3, least=1),
     ),
     "add_trajectory": lambda: call(
         topology.add_trajectory, topomap=a(topomap()), anchors=a(anchors([5, 6, 7]))

@@ -461,14 +461,5 @@ WITHOUT = {
         ),
         "a simulation calls it in its innermost loop, with what `Simulation.step` checked",
     ),
-    **dict.fromkeys(
-        (
-            "Camera.render",
-            "PanoramicCamera.render",
-            "Laser.measure",
-            "Raycaster.meet",
-            "WheelOdometry.read",
-        ),
-        "what is behind the doors `look`, `scan`, `cast` and `measure`",
-    ),
+    "WheelOdometry.read": "what is behind the door `measure`",
 }

@@ -57,8 +57,8 @@ def contents(topomap: TopoMap | None) -> Any:
         assert type(driven) is int
         assert driven >= 0
     for vertex in topomap.alive:
-        path, place = topomap.path_of(vertex)
-        assert path[place] == vertex
+        path = topomap.paths[topomap.trajectory[vertex]]
+        assert path[topomap.place[vertex]] == vertex
     alive = topomap.alive
     assert len(topomap.vertices) == len(alive)
     seen = plain(topomap.vertices.observations[alive]) if len(alive) else None

@@ -22,7 +22,6 @@ from tests.fuzz.writers import (
     write_drives,
     write_glossary,
     write_house,
-    write_log,
     write_notebook,
     write_outcomes,
     write_plan,
@@ -37,7 +36,6 @@ from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
 from tutorial_lib.experiments.leaderboard import page_of, read_board, text_of
-from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.simulation import checked_actions
@@ -100,9 +98,6 @@ def targets() -> list[Target]:
             write_outcomes,
             lambda folder: plain(load_outcomes(folder / "outcomes.npz", "recipe 1")),
             (".npz",),
-        ),
-        Target(
-            "log", write_log, lambda folder: plain(FollowerLog.load(folder / "log.npz")), (".npz",)
         ),
         Target(
             "map",

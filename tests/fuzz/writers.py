@@ -15,7 +15,6 @@ from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, save_out
 from tutorial_lib.driving.data.trajectories import save_trajectories
 from tutorial_lib.experiments.common.report import Report
 from tutorial_lib.experiments.leaderboard import Entry, text_of
-from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.world.plan_json import save_plan
 
 
@@ -85,19 +84,6 @@ def write_outcomes(folder: Path) -> None:
     driven, reached = np.arange(count) % 3 > 0, np.arange(count) % 3 == 1
     outcomes = RolloutOutcomes(pairs, driven, reached, driven & ~reached, driven * 2.5)
     save_outcomes(folder / "outcomes.npz", outcomes, "recipe 1")
-
-
-def write_log(folder: Path) -> None:
-    rng = np.random.default_rng(0)
-    whole = rng.integers(0, 5, (3, 6, 2))
-    FollowerLog(
-        whole[0].astype(np.int8),
-        whole[1].astype(np.int32),
-        whole[2].astype(np.int32),
-        rng.random((6, 2)),
-        rng.random((6, 2)),
-        rng.random((6, 2, 2)),
-    ).save(folder / "log.npz")
 
 
 def write_result(folder: Path) -> None:

@@ -314,14 +314,6 @@ def test_no_view_excludes_a_vertex():
     assert belief[OFF_MAP] / belief[7] == pytest.approx(0.5**2)
 
 
-def test_what_is_forgotten_may_be_anywhere():
-    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor())
-    drive(robot, [1.0], along(0.0))
-    robot.forget(0)
-    assert np.allclose(robot.belief, 1 / 9)
-    assert drive(robot, [4.0], along(0.0))[-1][0] == 4
-
-
 def dues(robot_filter, odometry):
     """At which steps the belief of one robot is new."""
     steps = []

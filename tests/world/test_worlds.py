@@ -87,6 +87,7 @@ def test_seeds_kept_for_tests_are_not_for_training(seed):
         ("maze/1.5/standard", "seed '1.5'"),
         ("maze/017/standard", "seed '017'"),  # or one world would have two files
         ("maze/1_7/standard", "seed '1_7'"),
+        (f"maze/{'9' * 5000}/standard", "seed '999"),
         ("maze/²/standard", "seed"),
         ("maze/17/sepia", "palette 'sepia'"),
     ],

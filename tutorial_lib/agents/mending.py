@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.navigator import FindPath, MapNavigation, Setback
+from tutorial_lib.agents.navigator import MapNavigation, Setback
 from tutorial_lib.interfaces import Experience, Goals, Observation, Plan, Robots
 from tutorial_lib.se2 import Array
-from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.maintenance import CERTAIN, Maintenance, MaintenanceRules, Traversal
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.validation import instance, number
@@ -53,9 +52,8 @@ class MendingMengAgent(MengAgent):
         self._keep_up()
 
     def start(self, goals: Sequence[Goals]) -> MendingNavigation:
-        """Send robots to one goal each; all mend the same map."""
-        parts = self.find_path, self.make_follower(), self.targets()
-        return MendingNavigation(*parts, goals, self.replan_time, self.upkeep, self.doubt)
+        """Send robots to one goal each; all mend the same map. See `MapAgent`."""
+        return MendingNavigation(self.upkeep, self.doubt, *self._parts(goals))
 
 
 class MendingNavigation(MapNavigation):
@@ -65,18 +63,9 @@ class MendingNavigation(MapNavigation):
         traversals: all so far.
     """
 
-    def __init__(
-        self,
-        find_path: FindPath,
-        make_follower: Callable[..., Follower],
-        targets: MapTargets,
-        goals: Sequence[Goals],
-        replan_time: float,
-        upkeep: Maintenance,
-        doubt: float,
-    ) -> None:
-        """See `MapNavigation` and `MendingMengAgent`; nobody has driven yet."""
-        super().__init__(find_path, make_follower, targets, goals, replan_time)
+    def __init__(self, upkeep: Maintenance, doubt: float, *parts: Any) -> None:  # noqa: ANN401
+        """See `MapNavigation`, whose `parts` follow, and `MendingMengAgent`."""
+        super().__init__(*parts)
         self._upkeep, self._doubt = upkeep, doubt
         self.traversals: list[Traversal] = []
         # Of each robot its plan, its place on it, and how many of its edges it has passed.

@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -266,11 +267,16 @@ class MapAgent(ABC):
         Raises:
             InputError: when nothing was learned.
         """
+        return MapNavigation(*self._parts(goals))
+
+    def _parts(self, goals: Sequence[Goals]) -> tuple[Any, ...]:
+        """What a `MapNavigation` is made of; see `start`."""
+        self._check_map()
+        return self.find_path, self.make_follower(), self.targets(), goals, self.replan_time
+
+    def _check_map(self) -> None:
         if not len(self.topomap):
             raise InputError("map: none; let the agent learn first")
-        return MapNavigation(
-            self.find_path, self.make_follower(), self.targets(), goals, self.replan_time
-        )
 
     def targets(self) -> MapTargets:
         """The vertices of the map as it is now, encoded once for all robots and goals."""

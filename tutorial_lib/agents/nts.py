@@ -230,15 +230,9 @@ class NTSAgent:
         return self._model.scores(features, self.search.goals[robots])
 
     def _recalled(self, number: int) -> Destination | None:
-        """Where a robot goes for its new goal before it explores, if it knows."""
+        """Where a robot goes first for its new goal: to its place, if a node sees it."""
         nodes = np.array(self.robots[number].memory.features)
-        return self._remembered(nodes, self.search.goals[number])
-
-    def _remembered(
-        self, nodes: NDArray[np.float32], goal: NDArray[np.float32]
-    ) -> Destination | None:
-        """The place of a goal that is visible from a node of the graph; None if from no node."""
-        goals = np.repeat(goal[None], len(nodes), axis=0)
+        goals = np.repeat(self.search.goals[number][None], len(nodes), axis=0)
         likely = self._model.same_node(nodes, goals)
         best = int(likely.argmax())
         if likely[best] < self._settings.search.visible:

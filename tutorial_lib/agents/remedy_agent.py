@@ -59,19 +59,19 @@ class RemedyAgent(MengAgent):
         return TopoMap(self.reachability, settings)
 
     def start(self, goals: Sequence[Goals]) -> RemedyNavigation:
-        """Send robots to one goal each."""
-        return RemedyNavigation(
-            self.find_path,
-            self.make_follower(),
-            self.targets(),
-            goals,
-            self.replan_time if self.remedies.replan else 0.0,
-            self._tools(),
-        )
+        """Send robots to one goal each; see `MapAgent`."""
+        *parts, replan_time = self._parts(goals)
+        replan_time = replan_time if self.remedies.replan else 0.0
+        return RemedyNavigation(self._tools(), *parts, replan_time)
 
     def guess(self, robots: int) -> PlaceGuess:
-        """Localizes so many robots, which may be anywhere."""
+        """Localizes so many robots, which may be anywhere.
+
+        Raises:
+            InputError: when nothing was learned.
+        """
         whole("robots", robots, least=0, most=1_000_000)
+        self._check_map()
         contexts = self.topomap.vertices.contexts[np.arange(len(self.topomap.vertices))]
         return PlaceGuess(robots, self.topomap, self._tools(), self.predictor.prepare(contexts))
 

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.map_targets import MapTargets
-from tutorial_lib.agents.navigator import FindPath, MapNavigation
+from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.agents.place_guess import PlaceGuess, Weighted
 from tutorial_lib.agents.remedies import Tools
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Edges, Goals, Observation, Plan, Robots
-from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.interfaces import Edges, Observation, Plan, Robots
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -41,18 +39,10 @@ class RemedyNavigation(MapNavigation):
         lost: (N,) gave up since no vertex was plausible, after turning and backing up.
     """
 
-    def __init__(
-        self,
-        find_path: FindPath,
-        make_follower: Callable[..., Follower],
-        targets: MapTargets,
-        goals: Sequence[Goals],
-        replan_time: float,
-        tools: Tools,
-    ) -> None:
-        """See `MapNavigation`."""
-        super().__init__(find_path, make_follower, targets, goals, replan_time)
-        self._tools, self._on, count = tools, tools.remedies, len(goals)
+    def __init__(self, tools: Tools, *parts: Any) -> None:  # noqa: ANN401
+        """See `MapNavigation`, whose `parts` follow."""
+        super().__init__(*parts)
+        self._tools, self._on, count = tools, tools.remedies, len(self.plans)
         vertices = len(self._topomap.vertices)
         self.guess = PlaceGuess(count, self._topomap, tools, self.follower.paths.targets)
         self.visits = np.zeros((count, vertices), dtype=int)

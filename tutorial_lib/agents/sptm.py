@@ -76,10 +76,10 @@ class SPTMAgent(MapAgent):
         graph = self.topomap.graph
         driven = nx.get_edge_attributes(graph, "driven")
         graph.remove_edges_from([edge for edge, times in driven.items() if not times])
-        alike = self._similarities
+        alike, trajectory = self._similarities, self.topomap.trajectory
         for source, target in np.argwhere(alike > s_shortcut):
             # Neighbours on a trajectory are joined only as they were driven (dT = 1).
-            if abs(source - target) > 1 or not self._on_one(source, target):
+            if abs(source - target) > 1 or trajectory[source] != trajectory[target]:
                 self.topomap.connect(int(source), int(target), alike[source, target])
 
     def _keep(self, experience: Experience) -> None:
@@ -107,9 +107,6 @@ class SPTMAgent(MapAgent):
         for source in range(count):
             alike[source] = self.topomap.vertices.between(np.full(count, source), np.arange(count))
         return window_median(alike, self.topomap.trajectory, self.window)
-
-    def _on_one(self, source: int, target: int) -> bool:
-        return self.topomap.trajectory[source] == self.topomap.trajectory[target]
 
     def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """The path over the fewest edges, between the places that are most alike.

@@ -186,7 +186,7 @@ class GridPaths:
             InputError: when they are no points.
         """
         points = floats("points", points, (..., 2))
-        cells = self._grid.within(points).reshape(-1, 2) // 2
+        cells = self._grid.cells(points).reshape(-1, 2) // 2
         nodes, gap = _nearest(points.reshape(-1, 2), cells, self._number, self.points)
         return nodes.reshape(points.shape[:-1]), gap.reshape(points.shape[:-1])
 

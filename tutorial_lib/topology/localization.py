@@ -223,12 +223,6 @@ class BayesFilter:
             self._look(observations[due], robots[due])
         return due
 
-    def forget(self, robot: int) -> None:
-        """Let a robot be anywhere again."""
-        whole("robot", robot, least=0, most=len(self.vertex) - 1)
-        self.belief[robot] = self._prior[robot] = 1.0 / self.belief.shape[1]
-        self.vertex[robot], self._waited[robot] = OFF_MAP, np.inf
-
     def _look(self, observations: Observation, robots: Robots) -> None:
         settings = self.settings
         seen = np.maximum(self.sensor(observations), settings.least)

@@ -62,10 +62,8 @@ def shared_bayes(
     (0.13, 0.91)
     """
     _check_likelihoods(succeeds, deceives)
-    at, prior = (
-        number("at", at, least=0.0, most=1.0),
-        number("prior", prior, least=0.0, most=1.0),
-    )
+    at = number("at", at, least=0.0, most=1.0)
+    prior = number("prior", prior, least=0.0, most=1.0)
     if_both = succeeds if flag("success", success) else 1.0 - succeeds
     if_not = deceives if success else 1.0 - deceives
     both, only_at = at * prior * if_both, at * (1.0 - prior) * if_not

@@ -8,7 +8,9 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Targets, WaypointPredictor
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import batch, instance, whole, with_methods
+from tutorial_lib.validation import batch, instance, with_methods
+
+_CANDIDATES = 48  # vertices that are compared with a view, those most alike
 
 
 class ViewSensor:
@@ -18,21 +20,17 @@ class ViewSensor:
     elsewhere, unless that looks alike. RE would do worse: it is high for all that lies ahead.
     """
 
-    def __init__(
-        self, topomap: TopoMap, predictor: WaypointPredictor, targets: Targets, candidates: int = 48
-    ) -> None:
+    def __init__(self, topomap: TopoMap, predictor: WaypointPredictor, targets: Targets) -> None:
         """Look for a map's vertices.
 
         Args:
             topomap: the map, which must not grow meanwhile.
             predictor: C_WP.
             targets: all vertices as it prepared them, the removed ones as well.
-            candidates: vertices that are compared with a view, those most alike.
         """
         self._map = instance("topomap", topomap, TopoMap)
         self._predictor = with_methods("predictor", predictor, "predict")
         self._targets = batch("targets", targets)
-        self._candidates = whole("candidates", candidates, least=1)
         if len(targets) < len(topomap.vertices):
             raise InputError(f"targets: {len(targets)}; give {len(topomap.vertices)}, all vertices")
         self._column = np.full(len(topomap.vertices), -1)
@@ -41,7 +39,7 @@ class ViewSensor:
     def __call__(self, observations: Observation) -> Array:
         """(N, V) likelihoods, 0 for vertices that are not alike at all."""
         instance("observations", observations, Observation)
-        near = self._map.nearby(observations, self._candidates)
+        near = self._map.nearby(observations, _CANDIDATES)
         likelihood = np.zeros((len(observations), len(self._map)))
         if near.size:
             rows = np.repeat(np.arange(len(near)), near.shape[1])

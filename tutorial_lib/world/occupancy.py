@@ -39,10 +39,7 @@ class ClearanceGrid:
 
     def cells(self, points: ArrayLike) -> NDArray[np.intp]:
         """Row and column (..., 2) of the cell with each point (..., 2), clipped to the grid."""
-        return self.within(floats("points", points, (..., 2)))
-
-    def within(self, points: NDArray[np.float64]) -> NDArray[np.intp]:
-        """`cells` for points that are right already."""
+        points = floats("points", points, (..., 2))
         cells = np.floor((points[..., ::-1] - self.origin[::-1]) / self.resolution).astype(np.intp)
         return np.clip(cells, 0, np.array(self.clearance.shape) - 1)
 

@@ -109,10 +109,8 @@ class Crowd:
         # The cosine of the angle between the step and the robot's direction.
         ahead = towards @ step / np.maximum(gap * np.linalg.norm(step), 1e-9)
         keep_off = self.people[k].keep_off
-        in_front, beside = (
-            (gap < keep_off) & (ahead > 0),
-            (gap < _BESIDE * keep_off) & (ahead > -0.7),
-        )
+        in_front = (gap < keep_off) & (ahead > 0)
+        beside = (gap < _BESIDE * keep_off) & (ahead > -0.7)
         return bool((in_front | beside).any())
 
     def _points(self, walked: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -156,17 +156,7 @@ class Raycaster:
             Hits with arrays (N, R).
         """
         poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
-        return self.meet(poses, instance("fan", fan, Fan), discs, viewers)
-
-    def meet(
-        self,
-        poses: NDArray[np.float64],
-        fan: Fan,
-        discs: Discs | None,
-        viewers: NDArray[np.int32] | None,
-    ) -> Hits:
-        """`cast` for poses that are right already, in one piece."""
-        shape = (len(poses), len(fan.angles))
+        shape = (len(poses), len(instance("fan", fan, Fan)))
         distance = np.empty(shape)
         wall = np.empty(shape, np.int32)
         along = np.empty(shape)

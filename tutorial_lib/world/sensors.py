@@ -48,18 +48,8 @@ class _Eye:
             the wall along each column's ray.
         """
         instance("scene", scene, Scene)
-        return self.render(scene, floats("poses", poses, ("N", 3)), discs, viewers)
-
-    def render(
-        self: "Camera | PanoramicCamera",
-        scene: Scene,
-        poses: NDArray[np.float64],
-        discs: Discs | None,
-        viewers: Viewers | None,
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-        """`look` for poses that are right already."""
-        poses = np.ascontiguousarray(poses)
-        hits = scene.caster.meet(poses, self.fan, discs, viewers)
+        poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
+        hits = scene.caster.cast(poses, self.fan, discs, viewers)
         image = _paint(self, scene, poses, hits, discs)
         return image, np.ascontiguousarray(hits.distance[:, ::-1])
 
@@ -197,19 +187,8 @@ class Laser:
         viewers: Viewers | None = None,
     ) -> NDArray[np.float64]:
         """Distances (N, B) in metres from every pose, at most `range`."""
-        instance("scene", scene, Scene)
-        return self.measure(scene, floats("poses", poses, ("N", 3)), discs, viewers)
-
-    def measure(
-        self,
-        scene: Scene,
-        poses: NDArray[np.float64],
-        discs: Discs | None,
-        viewers: Viewers | None,
-    ) -> NDArray[np.float64]:
-        """`scan` for poses that are right already."""
-        poses = np.ascontiguousarray(poses)
-        return np.minimum(scene.caster.meet(poses, self.fan, discs, viewers).distance, self.range)
+        caster = instance("scene", scene, Scene).caster
+        return np.minimum(caster.cast(poses, self.fan, discs, viewers).distance, self.range)
 
 
 @dataclass(frozen=True)
@@ -264,10 +243,8 @@ def _paint(
 ) -> NDArray[np.uint8]:
     """Pixels (N, H, W, 3) from what a camera's rays met."""
     count, width = hits.distance.shape
-    colours, nearness = (
-        np.empty((count, width, 3), np.float32),
-        np.empty((count, width), np.float32),
-    )
+    colours = np.empty((count, width, 3), np.float32)
+    nearness = np.empty((count, width), np.float32)
     shades = _NO_DISCS if discs is None else scene.plan.look.tone(discs.colours)
     found = (hits.distance, hits.wall, hits.along, camera.fan.directions, poses)
     walls = (scene.surfaces, scene.strips, shades)

@@ -204,7 +204,7 @@ class Simulation:
         return Observation(
             image=image,
             depth=depth if self.sensors.with_depth else None,
-            laser=self.sensors.laser.measure(self.scene, poses, discs, numbers),
+            laser=self.sensors.laser.scan(self.scene, poses, discs, numbers),
             odometry=self.odometry[numbers],
             speed=self.speed[numbers],
             steering=self.controls[numbers, 1],
@@ -218,7 +218,7 @@ class Simulation:
         """Images and depth; both are empty where there is no camera."""
         if self.sensors.camera is None:
             return np.empty((len(poses), 0, 0, 3), np.uint8), np.empty((len(poses), 0))
-        return self.sensors.camera.render(self.scene, poses, discs, numbers)
+        return self.sensors.camera.look(self.scene, poses, discs, numbers)
 
     def _finish(self, before: NDArray[np.float64]) -> None:
         """Update what follows from the motion since `before`."""

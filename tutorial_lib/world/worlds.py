@@ -60,7 +60,11 @@ def parse_world(name: str) -> tuple[str, int, str, str, str]:
         )
     if family not in FAMILIES:
         raise InputError(f"world: family {family!r} is unknown; use one of {', '.join(FAMILIES)}")
-    if not (seed.isascii() and seed.isdecimal() and str(int(seed)) == seed):
+    try:
+        number = int(seed)
+    except ValueError:  # not a number, or one of thousands of digits
+        number = -1
+    if number < 0 or str(number) != seed:
         raise InputError(f"world: seed {seed!r}; give a whole number, 0 or greater")
     for what, value, known in (
         ("palette", palette, PALETTES),
@@ -69,7 +73,7 @@ def parse_world(name: str) -> tuple[str, int, str, str, str]:
     ):
         if value not in known:
             raise InputError(f"world: {what} {value!r} is unknown; use one of {', '.join(known)}")
-    return family, int(seed), palette, size, signs
+    return family, number, palette, size, signs
 
 
 def _options(size: str, signs: str) -> list[str]:

@@ -16,7 +16,6 @@ from tutorial_lib.driving import (
     geodesic_limit,
     rollout,
 )
-from tutorial_lib.driving.control.same_body import for_robots
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.errors import InputError
 from tutorial_lib.world import (
@@ -86,8 +85,8 @@ def test_the_action_is_that_of_a_controller_of_the_body(pillars):
 
     composed = ComposedController(Straight(), usual)
     assert composed.act(seen, waypoints) == pytest.approx(wanted)
-    assert for_robots(usual, seen).body == LONG
-    assert for_robots(usual, Simulation(pillars, [[2.0, 5.0, 0.0]]).observe()) is usual
+    assert usual.for_robots(seen).body == LONG
+    assert usual.for_robots(Simulation(pillars, [[2.0, 5.0, 0.0]]).observe()) is usual
 
 
 def test_an_unknown_kind_of_body_is_refused(pillars):

@@ -54,8 +54,8 @@ def same(one, other):
     assert list(one.graph) == list(other.graph)
     assert one.paths == other.paths
     assert one.settings == other.settings
-    for v in one.alive:
-        assert one.path_of(v) == other.path_of(v)
+    assert (one.alive == other.alive).all()
+    assert (one.place[one.alive] == other.place[one.alive]).all()
     assert (one.vertices.timestamps == other.vertices.timestamps).all()
     assert (one.trajectory == other.trajectory).all()
     seen = one.vertices.observations[one.alive], other.vertices.observations[one.alive]
@@ -103,8 +103,7 @@ def test_a_removed_vertex_leaves_no_gap(path):
         assert again.vertices.observations[[new]].odometry.tolist() == (
             topomap.vertices.observations[[old]].odometry.tolist()
         )
-        vertices, place = again.path_of(new)
-        assert vertices[place] == new
+        assert again.paths[again.trajectory[new]][again.place[new]] == new
     here = sensed(PATHS[0][:1])
     goals = Goals(sensed(PATHS[0][-1:]), PATHS[0][-1:, None])
     plans = [DijkstraPlanner().plan(here, goals, some) for some in (topomap, again)]

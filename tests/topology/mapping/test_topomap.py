@@ -496,7 +496,6 @@ def test_a_vertex_that_looks_different_by_now_is_removed(kind, hidden):
         for place, vertex in enumerate(path):
             if topomap.trajectory[vertex] == number:
                 assert topomap.place[vertex] == place
-                assert topomap.path_of(vertex) == (path, place)
 
 
 @pytest.mark.parametrize("kind", [Streets, StreetsAlike])
@@ -557,12 +556,8 @@ def test_the_others_keep_their_numbers():
     assert len(topomap) == 4
     assert len(topomap.vertices) == 6
     assert topomap.paths == [[0, 2], [4, 5]]
-    assert [topomap.path_of(v) for v in (0, 2, 4, 5)] == [
-        ([0, 2], 0),
-        ([0, 2], 1),
-        ([4, 5], 0),
-        ([4, 5], 1),
-    ]
+    assert topomap.trajectory[topomap.alive].tolist() == [0, 0, 1, 1]
+    assert topomap.place[topomap.alive].tolist() == [0, 1, 0, 1]
     assert list(topomap.graph.edges) == [(4, 5)]
     before = topomap.paths
     topomap.remove([])

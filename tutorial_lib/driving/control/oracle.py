@@ -5,12 +5,12 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control.composed import checked_robots
 from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.driving.control.three_point import AHEAD, BEHIND, STILL, STUCK, ThreePointTurn
+from tutorial_lib.driving.control.three_point import AHEAD, BEHIND, Stillness, ThreePointTurn
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Controller, Observation, Robots
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.validation import instance, integers, number, with_methods
+from tutorial_lib.validation import instance, integers, with_methods
 from tutorial_lib.world.simulation import STEP, Simulation
 
 PARKING = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
@@ -18,6 +18,7 @@ PARKING = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, cra
 other settings the networks that come with the library could not be trained again."""
 TURN_ROUND = 16.0
 """Seconds after which `TurnFirst` drives on, wherever the robot looks."""
+_REACH = 2.0  # metres that a waypoint is ahead on the geodesic at most
 
 
 class OraclePolicy:
@@ -32,7 +33,6 @@ class OraclePolicy:
         paths: GridPaths,
         goals: ArrayLike,
         controller: Controller | None = None,
-        reach: float = 2.0,
     ) -> None:
         """Compute the distance fields of all goals.
 
@@ -41,7 +41,6 @@ class OraclePolicy:
             paths: the free space.
             goals: (N, 2), one for each robot, in metres.
             controller: drives to the waypoints; `PARKING` unless given.
-            reach: metres that a waypoint is ahead on the geodesic at most.
 
         Raises:
             InputError: when there are not as many goals as robots.
@@ -56,22 +55,17 @@ class OraclePolicy:
         self.simulation = simulation
         controller = PARKING if controller is None else controller
         self.controller = with_methods("controller", controller, "act")
-        self.reach = number("reach", reach, above=0)
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of the robots (M,), from what they observe now."""
         robots = checked_robots(observations, robots, self.goals)
-        return self.controller.act(observations, self._waypoints(robots))
+        return self.controller.act(observations, self.waypoints(robots))
 
     def waypoints(self, robots: Robots) -> Array:
         """Waypoints (M, 2) of the robots (M,), in metres as each sees them."""
-        return self._waypoints(
-            integers("robots", robots, ("M",), least=0, most=len(self.goals) - 1)
-        )
-
-    def _waypoints(self, robots: Robots) -> Array:
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.goals) - 1)
         poses, caster = self.simulation.poses[robots], self.simulation.scene.caster
-        return to_local(poses, self.fields.waypoints(poses[:, :2], robots, caster, self.reach))
+        return to_local(poses, self.fields.waypoints(poses[:, :2], robots, caster, _REACH))
 
 
 class TurnFirst:
@@ -88,8 +82,7 @@ class TurnFirst:
         count = len(oracle.goals)
         self._control = ThreePointTurn(count)
         self._turning, self._other = np.zeros((2, count), dtype=bool)
-        self._seconds, self._still = np.zeros((2, count))
-        self._poses = np.full((count, 3), np.inf)
+        self._seconds, self._stillness = np.zeros(count), Stillness(count)
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of the robots (M,), from what they observe now."""
@@ -102,21 +95,13 @@ class TurnFirst:
     def _decide(self, robots: Robots, bearings: Array, odometry: Array) -> None:
         """Which robots turn, given the bearings (M,) of their waypoints, and to which side."""
         begin = (self._seconds[robots] == 0.0) & (np.abs(bearings) > BEHIND)
-        stuck = self._turning[robots] & (self._stood(robots) > STUCK)
+        poses = self.oracle.simulation.poses[robots]
+        stuck = self._turning[robots] & self._stillness.stuck(robots, poses)
         self._turning[robots] |= begin
         self._other[robots] ^= stuck
-        self._still[robots[stuck]] = 0.0
         rows = np.flatnonzero(begin | stuck)
         other = np.where(self._other[robots[rows]], -2 * np.pi * np.sign(bearings[rows]), 0.0)
         self._control.begin(robots[rows], odometry[rows], bearings[rows] + other)
         self._seconds[robots] += STEP
         late = self._seconds[robots] > TURN_ROUND
         self._turning[robots] &= (np.abs(bearings) > AHEAD) & ~late
-
-    def _stood(self, robots: Robots) -> Array:
-        """Seconds (M,) that robots have stood still."""
-        poses = self.oracle.simulation.poses[robots]
-        still = np.abs(poses - self._poses[robots]).max(axis=1) < STILL
-        self._still[robots] = np.where(still, self._still[robots] + STEP, 0.0)
-        self._poses[robots] = poses
-        return self._still[robots]

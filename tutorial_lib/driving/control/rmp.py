@@ -8,8 +8,8 @@ steering angle - and with its *metric* how much that matters, and in which direc
 Before, `rmp_arcs` turns the waypoint into an arc, ahead or in reverse; afterwards it limits speed.
 """
 
-from dataclasses import dataclass, field, fields
-from functools import cached_property, partial
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from tutorial_lib.driving.control.rmp_policies import (
     pull_back,
     resolve,
 )
-from tutorial_lib.driving.control.same_body import for_robots
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.validation import floats, instance, number
@@ -111,17 +111,34 @@ class RMPController:
         """Discs (D, 2) that cover the body, place on its long axis and radius; they are pushed."""
         return moves.cover(self.body)
 
+    def for_robots(self, observations: Observation) -> "RMPController":
+        """The controller for the body of the robots that observe this: itself if it fits.
+
+        Args:
+            observations: of the robots; recorded ones do not say which body it was.
+
+        Raises:
+            InputError: when the body is neither a car nor a differential drive.
+        """
+        body = instance("observations", observations, Observation).body
+        if body is None or body == self.body:
+            return self
+        if not isinstance(body, BicycleCar | DifferentialDrive):
+            raise InputError(
+                f"body: a {type(body).__name__} is neither a BicycleCar nor a DifferentialDrive; "
+                "drive it with a controller of its own"
+            )
+        return _for_body(self, body)
+
     def act(self, observations: Observation, waypoints: Array) -> Array:
         """Actions (N, 2): speed in m/s, and steering in rad (car) or rad/s, for waypoints (N, 2).
 
         Raises:
             InputError: when a waypoint is missing or not finite, or the body is of another kind.
         """
-        instance("observations", observations, Observation)
-        if (fits := for_robots(self, observations)) is not self:
+        if (fits := self.for_robots(observations)) is not self:
             return fits.act(observations, waypoints)
         waypoints = checked_waypoints(waypoints, len(observations))
-        moves.check_robots(observations, len(waypoints))
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         controls = np.stack([observations.speed, observations.steering], axis=1)
         floats("observations", controls)  # a speed that is none would give such an action
@@ -208,3 +225,8 @@ class RMPController:
         most = np.minimum(most, moves.safe_speeds(lasers, arcs, *room, left, *taste))
         most = np.where(left < self.arrived, 0.0, most)
         return np.stack([gears * np.clip(gears * speeds, 0.0, most), steerings], axis=1)
+
+
+@lru_cache(maxsize=16)
+def _for_body(controller: RMPController, body: BicycleCar | DifferentialDrive) -> RMPController:
+    return replace(controller, body=body)

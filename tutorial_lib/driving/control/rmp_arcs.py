@@ -9,7 +9,6 @@ from tutorial_lib.array_forms import Shape
 from tutorial_lib.driving.control import arc_kernels as kernels
 from tutorial_lib.driving.control.rmp_arithmetic import check_body
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Observation
 from tutorial_lib.validation import fit_together
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.sensors import full_circle
@@ -134,17 +133,6 @@ def choose_moves(
     others = {"waypoints": (waypoints, ("N", 2)), "speeds": (speeds, ("N",))}
     _check_shapes(lasers, angles, **others, discs=(discs, ("D", 2)), limits=(limits, (6,)))
     return kernels.choose_moves(lasers, angles, waypoints, speeds, discs, margin, limits)
-
-
-def check_robots(seen: Observation, robots: int) -> None:
-    """Check that laser, speed and steering are those of so many robots.
-
-    Raises:
-        InputError: naming what has another shape.
-    """
-    each = (np.arange(robots), ("N",))
-    alone = {name: (getattr(seen, name), ("N",)) for name in ("speed", "steering")}
-    fit_together(robots=each, laser=(seen.laser, ("N", "B")), **alone)
 
 
 def _check_shapes(lasers: Array, angles: Array, **others: tuple[Array, Shape]) -> None:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.rmp_arcs import free_travel, safe_speeds
-from tutorial_lib.driving.control.same_body import for_robots
 from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.se2 import Array, to_local, wrap
 from tutorial_lib.world.bodies import BicycleCar
@@ -85,7 +84,7 @@ class ThreePointTurn:
         """Actions (M, 2) of robots (M,): speed in m/s, and steering in rad."""
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         side = self._sides(observations.odometry, robots)
-        rule = for_robots(self._safety, observations)
+        rule = self._safety.for_robots(observations)
         car = rule.body
         if not isinstance(car, BicycleCar):
             return np.stack([np.zeros(len(robots)), side * car.max_turn], axis=1)

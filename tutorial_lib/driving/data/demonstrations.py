@@ -26,7 +26,7 @@ from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller, Observation, Robots
 from tutorial_lib.parallel import for_each
-from tutorial_lib.validation import floats, instance, number, whole, with_methods
+from tutorial_lib.validation import floats, instance, whole, with_methods
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.noise import MOST_ROBOTS, DriftingOdometry, OdometryNoise
 from tutorial_lib.world.placing import check_free, checked_body, random_free_poses
@@ -47,7 +47,6 @@ def demonstrate(
     count: int,
     seed: int,
     controller: Controller | None = None,
-    control_noise: float = 0.0,
     odometry_noise: OdometryNoise | None = None,
     body: Body | None = None,
 ) -> list[Trajectory]:
@@ -59,7 +58,6 @@ def demonstrate(
         count: cars that start.
         seed: of starts, goals and noise.
         controller: drives to the waypoints; `PARKING` unless given.
-        control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
         odometry_noise: of the recorded odometry; it drifts, after the seed, unless given.
         body: of the cars, a `BicycleCar` unless given.
 
@@ -72,13 +70,11 @@ def demonstrate(
     """
     check_recipe(world, scene, seed, odometry_noise)
     count = whole("count", count, least=0, most=MOST_ROBOTS)
-    control_noise = number("control_noise", control_noise, least=0, most=10)
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
     body = BicycleCar() if body is None else body
     starts, goals, limit = _starts_and_goals(scene, paths, count, rng, body)
-    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation = _fleet(scene, starts, odometry, control_noise, rng, body)
+    simulation = _fleet(scene, starts, seed, odometry_noise, body, rng)
     oracle = OraclePolicy(simulation, paths, goals, controller)
     found = _recorded(world, seed, oracle, limit)
     return [one for one in found if one is not None and len(one) >= SHORTEST]
@@ -117,8 +113,7 @@ def demonstrate_between(
     starts = floats("starts", starts, ("N", 3))
     body = BicycleCar() if body is None else checked_body(body)
     check_free(scene, body, starts, "starts")
-    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation = _fleet(scene, starts, odometry, body=body)
+    simulation = _fleet(scene, starts, seed, odometry_noise, body)
     limit = geodesic_limit(paths, starts, goals)
     return _recorded(world, seed, OraclePolicy(simulation, paths, goals), limit)
 
@@ -155,8 +150,7 @@ def demonstrate_on(
     body = BicycleCar() if body is None else checked_body(body)
     check_free(scene, body, start, "start")
     goals = floats("goals", goals, ("G", 2), empty=False)
-    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation, recorder = _fleet(scene, start, odometry, body=body), Recorder()
+    simulation, recorder = _fleet(scene, start, seed, odometry_noise, body), Recorder()
     for goal in goals:
         oracle = OraclePolicy(simulation, paths, goal[None])
         limit = geodesic_limit(paths, simulation.poses, goal[None]) + TURN_ROUND
@@ -172,12 +166,11 @@ def record_demonstrations(
     seed: int,
     folder: str | Path,
     jobs: int = 2,
-    control_noise: float = 0.0,
 ) -> list[Path]:
     """Record demonstrations in many worlds, one file each; existing files are kept.
 
     So an interrupted recording resumes where it stopped and ends with the same files. A file that
-    is damaged, or was recorded with another seed, count or noise, is recorded again.
+    is damaged, or was recorded with another seed or count, is recorded again.
 
     Args:
         worlds: their names, see `world.worlds`.
@@ -185,7 +178,6 @@ def record_demonstrations(
         seed: of the whole recording.
         folder: for the files; made where it is missing.
         jobs: processes.
-        control_noise: as for `demonstrate`.
 
     Returns:
         The files, in the order of `worlds`.
@@ -198,34 +190,25 @@ def record_demonstrations(
     folder = Path(folder)
     make_folder(folder)
     names = list(dict.fromkeys(worlds))
-    recipe = (count, seed, folder, control_noise)
-    paths = for_each(_record, names, *recipe, label="demonstrations", jobs=jobs)
+    paths = for_each(_record, names, count, seed, folder, label="demonstrations", jobs=jobs)
     done = dict(zip(names, paths, strict=True))
     return [done[name] for name in worlds]
 
 
-def world_seed(seed: int, world: str, count: int, control_noise: float = 0.0) -> int:
+def world_seed(seed: int, world: str, count: int) -> int:
     """The seed of one world's demonstrations; the same in every process and on every machine."""
     seed, count = whole("seed", seed, least=0), whole("count", count, least=0)
     instance("world", world, str)
-    control_noise = number("control_noise", control_noise, least=0)
-    recipe = crc32(f"{world} {count} {control_noise:g}".encode())
+    recipe = crc32(f"{world} {count} 0".encode())  # without noise of the controls
     return int(np.random.SeedSequence([seed, recipe]).generate_state(1)[0])
 
 
-def _record(
-    world: str,
-    count: int,
-    seed: int,
-    folder: Path,
-    control_noise: float,
-) -> Path:
+def _record(world: str, count: int, seed: int, folder: Path) -> Path:
     """Record one world, unless its file is there."""
     path = folder / f"{world.replace('/', '-')}.npz"
-    own = world_seed(seed, world, count, control_noise)
+    own = world_seed(seed, world, count)
     if not _is_recorded(path, world, own):
-        scene = scene_of(world)
-        save_trajectories(path, demonstrate(world, scene, count, own, control_noise=control_noise))
+        save_trajectories(path, demonstrate(world, scene_of(world), count, own))
     return path
 
 
@@ -240,22 +223,15 @@ def _is_recorded(path: Path, world: str, seed: int) -> bool:
 def _fleet(
     scene: Scene,
     starts: Array,
-    odometry: OdometryNoise,
-    control_noise: float = 0.0,
+    seed: int,
+    odometry_noise: OdometryNoise | None,
+    body: Body,
     rng: np.random.Generator | None = None,
-    body: Body | None = None,
 ) -> Simulation:
     """Images are rendered on load; the controllers need only the laser."""
+    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     sensors = Sensors(camera=None)
-    return Simulation(
-        scene,
-        starts,
-        body=body,
-        control_noise=control_noise,
-        odometry_noise=odometry,
-        sensors=sensors,
-        rng=rng,
-    )
+    return Simulation(scene, starts, body=body, odometry_noise=odometry, sensors=sensors, rng=rng)
 
 
 def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list[Trajectory | None]:

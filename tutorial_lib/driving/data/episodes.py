@@ -51,13 +51,8 @@ class Episodes:
 
     def subset(self, index: NDArray[np.intp]) -> "Episodes":
         """Those that an array of indices selects."""
-        return Episodes(
-            self.recorded,
-            self.starts[index],
-            self.targets[index],
-            self.ahead[index],
-            self.limit[index],
-        )
+        names = ("starts", "targets", "ahead", "limit")
+        return replace(self, **{name: getattr(self, name)[index] for name in names})
 
     def within(self, recorded: RecordedWorld) -> "Episodes":
         """The same episodes in a world that looks different."""

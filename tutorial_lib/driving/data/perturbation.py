@@ -6,13 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.se2 import Array, compose
-from tutorial_lib.validation import floats, instance, number, whole
+from tutorial_lib.validation import floats, instance, number
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.placing import checked_body, is_free
 from tutorial_lib.world.scene import Scene
 
-MOST_TRIES = 1_000
-"""Of a start beside a pose."""
+_TRIES = 8  # of a start beside a pose
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,6 @@ def perturbed(
     perturbation: Perturbation,
     rng: np.random.Generator,
     body: Body | None = None,
-    tries: int = 8,
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Poses beside `poses` (N, 3) from which a body can start, and (N,) whether one was found.
 
@@ -79,10 +77,10 @@ def perturbed(
     instance("scene", scene, Scene)
     instance("perturbation", perturbation, Perturbation)
     instance("rng", rng, np.random.Generator)
-    poses, tries = floats("poses", poses, ("N", 3)), whole("tries", tries, least=0, most=MOST_TRIES)
+    poses = floats("poses", poses, ("N", 3))
     body = BicycleCar() if body is None else checked_body(body)
     moved, found = poses.copy(), np.zeros(len(poses), dtype=bool)
-    for _ in range(tries):
+    for _ in range(_TRIES):
         missing = np.flatnonzero(~found)
         if not len(missing):
             break

@@ -48,10 +48,8 @@ def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) 
     >>> frames_around([0, 10], 2, 0, 12).tolist()
     [[0, 0, 0, 3, 6], [4, 7, 10, 12, 12]]
     """
-    frames, k = (
-        integers("frames", frames, ("N",), least=0),
-        whole("k", k, least=0, most=MOST_CONTEXT),
-    )
+    frames = integers("frames", frames, ("N",), least=0)
+    k = whole("k", k, least=0, most=MOST_CONTEXT)
     ends = []
     for name, end in (("first", first), ("last", last)):
         end = integers(name, end, (...,), least=0)

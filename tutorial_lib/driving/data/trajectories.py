@@ -115,7 +115,8 @@ def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:
     }
     for name, (row, kind) in _COLUMNS.items():
         none = np.empty((0, *(width or 0 for width in row)), kind)
-        arrays[name] = np.concatenate([none] * (not trajectories) + _all(name, trajectories))
+        rows = [getattr(trajectory, name) for trajectory in trajectories]
+        arrays[name] = np.concatenate(rows or [none])
     save_arrays(path, arrays, version=VERSION)
 
 
@@ -131,10 +132,6 @@ def load_trajectories(path: str | Path) -> list[Trajectory]:
         return _split(arrays)
     except InputError as error:
         raise InputError(f"{path}: {error}; {advice}") from error
-
-
-def _all(name: str, trajectories: list[Trajectory]) -> list[NDArray[Any]]:
-    return [getattr(trajectory, name) for trajectory in trajectories]
 
 
 def _split(arrays: dict[str, NDArray[Any]]) -> list[Trajectory]:

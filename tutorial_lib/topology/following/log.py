@@ -1,22 +1,15 @@
-"""What went on while paths were followed: kept, saved and read again."""
+"""What went on while paths were followed: kept step by step."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.errors import InputError
-from tutorial_lib.files import save_arrays
 from tutorial_lib.geometry import Array
-from tutorial_lib.reading.arrays import load_arrays
-
-VERSION = 1
-"""Of the file's layout."""
 
 # Array fields: the type, and how much of the shape (T, N, 2) they have.
 _COLUMNS: dict[str, tuple[type, int]] = {
@@ -42,9 +35,6 @@ class FollowerLog:
         overlap: (T, N) mean predicted overlap with that anchor; not a number outside Follow.
         waypoint: (T, N, 2) metres in the frame of the robot's odometry; not a number before the
             first.
-
-    Raises:
-        InputError: when an array has another shape or type.
     """
 
     state: NDArray[np.int8]
@@ -53,16 +43,6 @@ class FollowerLog:
     probability: Array
     overlap: Array
     waypoint: Array
-
-    def __post_init__(self) -> None:
-        shape = (*np.shape(self.state)[:2], 2)
-        for name, (kind, axes) in _COLUMNS.items():
-            array = getattr(self, name)
-            if array.shape != shape[:axes] or array.dtype != kind or len(shape) != 3:
-                raise InputError(
-                    f"{name}: {array.dtype} of shape {array.shape} where {np.dtype(kind)} of "
-                    f"{shape[:axes]} belongs"
-                )
 
     def __len__(self) -> int:
         return len(self.state)
@@ -76,21 +56,3 @@ class FollowerLog:
             rows = [np.asarray(step[number], dtype=kind)[None] for step in steps]
             columns.append(np.concatenate([none, *rows]))
         return cls(*columns)
-
-    def save(self, path: str | Path) -> None:
-        """Write to an `.npz` file, whole or not at all."""
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        save_arrays(path, columns, version=VERSION, compressed=True)
-
-    @classmethod
-    def load(cls, path: str | Path) -> FollowerLog:
-        """Read what `save` wrote.
-
-        Raises:
-            InputError: naming the file, and what is wrong with it.
-        """
-        try:
-            arrays = load_arrays(path, _COLUMNS, version=VERSION)
-            return cls(*(arrays[name] for name in _COLUMNS))
-        except InputError as error:
-            raise InputError(f"{path}: no record of a run ({error}); record it again") from error

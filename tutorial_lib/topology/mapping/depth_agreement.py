@@ -7,10 +7,10 @@ import numpy as np
 from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.validation import alike, floats
 
+_OFF = 0.25  # metres, or that share of the distance, by which lengths may differ
 
-def depth_agreement(
-    sources: Array, targets: Array, waypoints: Array, bearings: Array, off: float = 0.25
-) -> Array:
+
+def depth_agreement(sources: Array, targets: Array, waypoints: Array, bearings: Array) -> Array:
     """(N,) the share of what a target measures that its source measures there, too.
 
     The ends of the target's rays are carried into the source's frame by the predicted waypoint. Of
@@ -22,12 +22,9 @@ def depth_agreement(
         targets: (N, W) the same of the targets.
         waypoints: (N, 3) poses of the targets, predicted from the sources.
         bearings: (W,) rad of the columns' rays, falling from left to right.
-        off: metres, or that share of the distance, by which lengths may differ.
     """
-    sources, targets = (
-        floats("sources", sources, ("N", "W")),
-        floats("targets", targets, ("N", "W")),
-    )
+    sources = floats("sources", sources, ("N", "W"))
+    targets = floats("targets", targets, ("N", "W"))
     waypoints = floats("waypoints", waypoints, ("N", 3))
     bearings = floats("bearings", bearings, (sources.shape[1],))
     alike(sources=sources, targets=targets, waypoints=waypoints)
@@ -37,7 +34,7 @@ def depth_agreement(
     column = np.searchsorted(-bearings, -bearing).clip(0, len(bearings) - 1)
     inside = (bearing <= bearings[0]) & (bearing >= bearings[-1])
     measured = np.take_along_axis(sources, column, axis=1)
-    within = off * np.maximum(1.0, metres)
+    within = _OFF * np.maximum(1.0, metres)
     agrees = inside & (np.abs(metres - measured) <= within)
     against = inside & (metres < measured - within)  # the source looks through it
     counted = agrees.sum(axis=1) + against.sum(axis=1)

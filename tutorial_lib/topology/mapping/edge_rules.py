@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.geometry import Array
 from tutorial_lib.validation import alike, flags, floats, integers, number, whole
 
-PlaceOnPath = tuple[list[int], int]
-"""The vertices of a trajectory, in order, and a place among them."""
 _NEVER = 1e-12  # a probability whose logarithm is finite
 
 

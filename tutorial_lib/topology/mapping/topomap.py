@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.se2 import wrap
-from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
+from tutorial_lib.topology.mapping.edge_rules import MapSettings, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
 from tutorial_lib.topology.mapping.vertices import Indices, Vertices
 from tutorial_lib.topology.query import check_seen
@@ -142,11 +142,6 @@ class TopoMap:
         self.connect(source, target, probability)
         self.graph.edges[source, target]["turn"] = float(wrap(angle))
         return True
-
-    def path_of(self, vertex: int) -> PlaceOnPath:
-        """The path of the trajectory that a vertex was made for, and the vertex's place on it."""
-        self._check_vertex("vertex", vertex)
-        return self.paths[self.trajectory[vertex]], int(self.place[vertex])
 
     def make_vertices(
         self,

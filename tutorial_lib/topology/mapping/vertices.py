@@ -33,11 +33,7 @@ class Vertices:
     def __init__(self, reachability: Reachability) -> None:
         """No vertices."""
         self.reachability = reachability
-        self.observations, self.contexts, self._prepared = (
-            GrowingBatch(),
-            GrowingBatch(),
-            GrowingBatch(),
-        )
+        self.observations, self.contexts, self._prepared = (GrowingBatch() for _ in range(3))
         self.timestamps = np.empty(0)
         self.queries = 0
 

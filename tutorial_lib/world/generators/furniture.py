@@ -65,11 +65,6 @@ class Part:
 Group = Callable[[np.random.Generator], list[Part]]
 
 
-def single(kind: str) -> Group:
-    """One piece with its back to the wall."""
-    return row(kind)
-
-
 def row(*kinds: str) -> Group:
     """Pieces side by side along the wall."""
 
@@ -122,7 +117,7 @@ def table(kind: str, seat: str) -> Group:
 
 
 GROUPS: dict[str, Group] = {
-    **{kind: single(kind) for kind in SIZES},
+    **{kind: row(kind) for kind in SIZES},
     "desk and chair": facing("desk", "office chair", (0.05, 0.12)),
     "sofa and table": facing("sofa", "coffee table", (0.3, 0.42)),
     "bed and nightstands": row("nightstand", "bed", "nightstand"),

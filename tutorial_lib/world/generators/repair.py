@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,6 +22,9 @@ ROOM_SHARE = 1.0
 """Square metres in every room that the car can be in."""
 RESOLUTION = 0.05
 
+_Cells = NDArray[Any]
+"""The patch of each cell, or how many each patch has; patch 0 is all that is not free."""
+
 
 def open_up(plan: FloorPlan, twins: list[int]) -> FloorPlan:
     """Remove furniture until the car can get from anywhere to anywhere.
@@ -34,7 +38,10 @@ def open_up(plan: FloorPlan, twins: list[int]) -> FloorPlan:
     """
     while True:
         grid = clearance_grid(plan, RESOLUTION)
-        blocking = _cut_off(plan, grid) or _cramped(plan, grid)
+        free = (grid.clearance >= CAR).view(np.uint8)
+        _, labels, stats, _ = cv2.connectedComponentsWithStats(free)
+        patches = grid, labels, stats[:, cv2.CC_STAT_AREA]
+        blocking = _cut_off(plan, *patches) or _cramped(plan, *patches)
         if not blocking:
             return plan
         groups = {twins[i] for i in blocking}
@@ -43,10 +50,8 @@ def open_up(plan: FloorPlan, twins: list[int]) -> FloorPlan:
         plan = replace(plan, furniture=tuple(plan.furniture[i] for i in stay))
 
 
-def _cut_off(plan: FloorPlan, grid: ClearanceGrid) -> set[int]:
+def _cut_off(plan: FloorPlan, grid: ClearanceGrid, labels: _Cells, cells: _Cells) -> set[int]:
     """The piece nearest to each patch of floor that is cut off from the largest."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats((grid.clearance >= CAR).view(np.uint8))
-    cells = stats[:, cv2.CC_STAT_AREA]
     order = 1 + np.argsort(cells[1:], kind="stable")
     patches = [i for i in order[:-1] if cells[i] * RESOLUTION**2 >= CRUMB]
     return {_nearest_piece(plan, grid.centres(np.argwhere(labels == i))) for i in patches}
@@ -63,10 +68,9 @@ def _nearest_piece(plan: FloorPlan, points: NDArray[np.float64]) -> int:
     return int(np.searchsorted(np.cumsum(corners), nearest, side="right"))
 
 
-def _cramped(plan: FloorPlan, grid: ClearanceGrid) -> set[int]:
+def _cramped(plan: FloorPlan, grid: ClearanceGrid, labels: _Cells, cells: _Cells) -> set[int]:
     """The largest piece in each room that leaves too little floor to the car."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats((grid.clearance >= CAR).view(np.uint8))
-    floor = grid.centres(np.argwhere(labels == 1 + stats[1:, cv2.CC_STAT_AREA].argmax()))
+    floor = grid.centres(np.argwhere(labels == 1 + cells[1:].argmax()))
     pieces = set()
     for room in plan.rooms:
         if _inside(room, floor).sum() * RESOLUTION**2 >= ROOM_SHARE:
