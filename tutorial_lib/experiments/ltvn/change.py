@@ -331,5 +331,5 @@ EXPERIMENT = Experiment(
     tuple(range(20_002, 20_008, 3)),
     settings=Settings(),
     quick_settings=QUICK,
-    canary=Settings((MENDING,), queries=1, block=1, fleet=1),
+    canary=Settings((MENDING, MENDING_MENG), queries=1, block=1, fleet=1),
 )
