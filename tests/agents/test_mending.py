@@ -10,6 +10,7 @@ from tests.agents.line import (
     LinePredictor,
     LineReachability,
     Plans,
+    at_places,
     goals_at,
     line_map,
     navigation_over,
@@ -18,6 +19,7 @@ from tutorial_lib.agents.mending import MendingMengAgent, MendingNavigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Plan
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules
+from tutorial_lib.topology.mapping.anchors import Anchors
 
 PLACES = range(8)
 
@@ -121,13 +123,18 @@ def test_where_nothing_leads_on_no_edge_returns():
     assert not upkeep.graph.has_edge(2, 3)
 
 
-def test_with_what_is_learned_upkeep_begins_anew_from_what_re_said():
+def test_with_every_trajectory_upkeep_begins_anew_from_what_re_said():
     agent = MendingMengAgent(predictor=LinePredictor(), reachability=LineReachability())
-    agent.topomap = line_map(PLACES, agent.reachability)
-    agent.topomap.connect(0, 1, 0.9, driven=1)
+    places = np.array(PLACES, dtype=float)
+    anchors = Anchors(at_places(*places), np.tile(places[:, None], (1, 3)), places)
+    agent.insert(anchors)
+    agent.upkeep.prune_edge((0, 1))
+    assert agent.topomap.graph.has_edge(0, 1)
     agent.topomap.graph.edges[0, 1]["weight"] = 5.0
-    agent.learn([])
-    assert agent.topomap.graph.edges[0, 1]["weight"] == pytest.approx(-np.log(0.9))
+    agent.insert(anchors)
+    known = agent.topomap.graph.edges[0, 1]
+    assert known["weight"] == pytest.approx(-np.log(known["probability"]))
+    assert set(agent.upkeep.graph.edges) == set(agent.topomap.graph.edges)
     agent.upkeep.prune_edge((0, 1))
     assert agent.topomap.graph.has_edge(0, 1)
 

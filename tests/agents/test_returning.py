@@ -132,6 +132,11 @@ def test_a_robot_that_is_done_is_left_alone(explored, memory, trials):
     assert all(agent.plans[i] is None for i in np.flatnonzero(~running))
 
 
+def test_an_explorer_of_another_kind_is_refused(memory):
+    with pytest.raises(InputError, match=r"explorer: .* give a NTSAgent"):
+        ReturningAgent(memory, memory)
+
+
 class Plans:
     """Plans as given, one for each call; then none."""
 

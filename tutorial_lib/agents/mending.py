@@ -11,9 +11,10 @@ import numpy as np
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.navigator import MapNavigation, Setback
-from tutorial_lib.interfaces import Experience, Goals, Observation, Plan, Robots
+from tutorial_lib.interfaces import Goals, Observation, Plan, Robots
 from tutorial_lib.se2 import Array
 from tutorial_lib.topology.maintenance import CERTAIN, Maintenance, MaintenanceRules, Traversal
+from tutorial_lib.topology.mapping.anchors import Anchors
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.validation import instance, number
 
@@ -46,9 +47,9 @@ class MendingMengAgent(MengAgent):
             edge["weight"] = float(weight(edge["probability"]))
         self.upkeep = Maintenance(graph.copy(), self.maintenance, price=1.0, noise=1.0)
 
-    def learn(self, experiences: Sequence[Experience]) -> None:
-        """See `MengAgent`; upkeep begins anew."""
-        super().learn(experiences)
+    def insert(self, anchors: Anchors) -> None:
+        """See `MengAgent`; upkeep begins anew, since edges that were there may have changed."""
+        super().insert(anchors)
         self._keep_up()
 
     def start(self, goals: Sequence[Goals]) -> MendingNavigation:

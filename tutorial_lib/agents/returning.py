@@ -27,7 +27,7 @@ from tutorial_lib.observation import Experience, Goals, Observation
 from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
-from tutorial_lib.validation import instance, whole, with_methods
+from tutorial_lib.validation import instance, whole
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 
 DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1, fall=1.0)
@@ -110,9 +110,7 @@ class ReturningAgent:
             settings: when to plan.
         """
         self._memory = instance("memory", memory, MapAgent)
-        if explorer is not None:
-            with_methods("explorer", explorer, "start", "act")
-        self._explorer = explorer
+        self._explorer = None if explorer is None else instance("explorer", explorer, NTSAgent)
         settings = ReturnSettings() if settings is None else settings
         self._settings = instance("settings", settings, ReturnSettings)
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)

@@ -1,8 +1,9 @@
 """LTVN's model before and after training on a robot's own drives in the target building.
 
 The buildings look as no training world did: in colours, gamma and noise that no network has seen,
-or with the floor plans of real buildings. Each robot learns a tour, with odometry for labels. What
-the model then makes of images from other drives is compared with the usual look of the same seeds.
+or with the floor plans of real buildings. Each robot learns the first drives of its tour, with
+odometry for labels. What the model then makes of images from other drives is compared with the
+usual look of the same seeds.
 """
 
 from __future__ import annotations
@@ -46,11 +47,13 @@ class Settings:
     Attributes:
         conditions: see `CONDITIONS`; the first is what the others are compared with.
         queries: in each building, on a map that does not change.
+        minutes: of driving at most that the model learns; the map is of the whole tour.
         training: of the fine-tuning.
     """
 
     conditions: tuple[tuple[str, bool], ...] = CONDITIONS
     queries: int = 25
+    minutes: float = 10.0
     training: Training = TUNED
 
 
@@ -62,7 +65,7 @@ class Judged:
         scored: all pairs of images of drives that it has not learned.
         success: (Q,) of queries on its map.
         vertices: of that map.
-        minutes: of the learned drives.
+        minutes: of driving that the model learned; 0 where it was not tuned.
     """
 
     scored: Scored
@@ -112,15 +115,17 @@ def judged(item: tuple[int, str, bool], seed: int, settings: Settings) -> Judged
     whole = make_building(world, seed, palette=palette, family=SCANNED if look == SCANNED else "")
     building = part_of(whole, TOUR, seed)
     experiences = deep_experiences(building)
+    spent = np.cumsum([np.ptp(experience.timestamps) / 60.0 for experience in experiences])
+    learned = int(np.sum(spent <= settings.minutes)) if tuned else 0
     model = RelativeNetwork(NETWORK)
     if tuned:
-        model = fine_tuned(model, experiences, settings.training)
+        model = fine_tuned(model, experiences[:learned], settings.training)
     agent = agents.ltvn(model=model, maintenance=None)
     agent.learn(experiences)
     trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
     outcome, _ = run_queries(building, trials, agent)
     scored = scores_of(_others(whole, building), {NETWORK: model}, (GATE,))
-    minutes = sum(float(np.ptp(experience.timestamps)) for experience in experiences) / 60.0
+    minutes = float(spent[learned - 1]) if learned else 0.0
     return Judged(scored, outcome.success.astype(float), len(agent.sampled.graph), minutes)
 
 

@@ -52,9 +52,12 @@ GATES = {
     "context, depth": ("relative_5", ("depth",)),
     "context, support": ("relative_5", ("support",)),
     "all": ("relative_5", ("depth", "support")),
+    "context, RGB": ("relative_rgb", ()),
+    "context, RGB, support": ("relative_rgb", ("support",)),
 }
 """By name the network and what a pair must pass besides: single images as in the paper, with mined
-far pairs; agreement of depth; support of neighbours; and the same with the target's context."""
+far pairs; agreement of depth; support of neighbours; the same with the target's context; and with
+it, but without depth."""
 VALIDATION = tuple(range(10_000, 10_006))
 
 
@@ -199,10 +202,11 @@ def row_of(gate: str, family: str, limit: float, parts: list[Scored]) -> dict[st
             strict=True,
         )
     )
-    off = np.concatenate([part.off[GATES[gate][0]] for part in parts])
+    network, _ = GATES[gate]
+    off = np.concatenate([part.off[network] for part in parts])
     accepted = score > limit
     return {
-        "sensor": "rgbd",
+        "sensor": "rgb" if network == "relative_rgb" else "rgbd",
         "gate": gate,
         "family": family,
         "worlds": len(parts),
