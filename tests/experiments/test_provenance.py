@@ -99,6 +99,15 @@ def test_what_differs_first_between_two_canaries(rows, words):
     assert changed_rows(ROWS, rows) == words
 
 
+@pytest.mark.parametrize(
+    ("success", "alike"), [(0.5, True), (0.5 * (1 + 1e-12), True), (0.5 * (1 + 1e-7), False)]
+)
+def test_rounding_is_no_difference_where_it_may_be_one(success, alike):
+    rows = [ROWS[0] | {"success": success}, ROWS[1]]
+    assert (changed_rows(ROWS, rows, provenance.ROUNDING) == "") == alike
+    assert (changed_rows(ROWS, rows) == "") == (success == 0.5)
+
+
 @pytest.fixture
 def one_result(report, monkeypatch):
     """A course with one stored result, whose canary is known; what is written."""
@@ -140,15 +149,15 @@ def test_where_the_course_is_installed_the_command_is_its_own(
     assert "measure again: topological-navigation experiment meng_fig6 --json FILE" in said
 
 
-@pytest.mark.parametrize("success", [0.5, 0.75])
+@pytest.mark.parametrize("success", [0.5, 0.5 * (1 + 1e-12), 0.75])
 def test_on_another_processor_only_the_same_rows_tell(
     report, one_result, capsys, monkeypatch, success
 ):
     now = report.made_from | {CANARY: [ROWS[0] | {"success": success}, ROWS[1]]}
     monkeypatch.setattr(provenance, "made_from", lambda *_: now | {PROCESSOR: "another"})
-    assert (results.check_results() == 0) == (success == 0.5)
+    assert (results.check_results() == 0) == (success != 0.75)
     said = f"but its canary is of another kind of processor, {processor()}"
-    assert (said in capsys.readouterr().out) == (success != 0.5)
+    assert (said in capsys.readouterr().out) == (success == 0.75)
 
 
 @pytest.mark.full

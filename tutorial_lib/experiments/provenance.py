@@ -10,6 +10,7 @@ import json
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
+from math import isclose
 from multiprocessing import get_context
 from typing import Any
 
@@ -25,6 +26,8 @@ from tutorial_lib.learning.weights import LOADED, fingerprint_of, load_card
 MODULE, CODE, NETWORKS = "module", "code", "networks"
 CANARY, PROCESSOR = "canary", "processor"
 """What a report's `made_from` holds."""
+ROUNDING = 1e-9
+"""Share of a number by which kinds of processors may differ."""
 FITS, UNKNOWN, NETWORK, CHANGED = "fits", "unknown", "network", "code"
 """How a result stands to the library of today."""
 
@@ -104,7 +107,8 @@ def _made_from_here(name: str, options: Options) -> dict[str, Any]:
 def checked(report: Report, name: str, options: Options) -> tuple[Report, str]:
     """Run the canary of a result whose code has changed.
 
-    Rows that come out the same are the same on any processor; others may differ by that alone.
+    Numbers that another kind of processor calculated may differ by rounding, so nine digits of them
+    are compared; rows that differ by more may differ by that alone, too.
 
     Args:
         report: the result.
@@ -117,18 +121,31 @@ def checked(report: Report, name: str, options: Options) -> tuple[Report, str]:
     then, now = report.made_from, made_from(name, options)
     if not (then[CANARY] and now[CANARY]):
         return report, "it has no canary that could tell whether its numbers changed"
-    different = changed_rows(then[CANARY], now[CANARY])
-    if different and then[PROCESSOR] != now[PROCESSOR]:
+    elsewhere = then[PROCESSOR] != now[PROCESSOR]
+    different = changed_rows(then[CANARY], now[CANARY], ROUNDING if elsewhere else 0.0)
+    if different and elsewhere:
         different += f"; but its canary is of another kind of processor, {then[PROCESSOR]}"
     return (report if different else replace(report, made_from=now)), different
 
 
-def changed_rows(then: Rows, now: Rows) -> str:
-    """What differs first between two canaries; empty where nothing does."""
+def changed_rows(then: Rows, now: Rows, rounding: float = 0.0) -> str:
+    """What differs first between two canaries; empty where nothing does.
+
+    Args:
+        then: rows.
+        now: rows.
+        rounding: share of a number by which it may differ.
+    """
     if len(then) != len(now):
         return f"{len(now)} rows, not {len(then)}"
     for number, (old, new) in enumerate(zip(then, now, strict=True)):
         for key in old | new:
-            if old.get(key) != new.get(key):
+            if not _alike(old.get(key), new.get(key), rounding):
                 return f"row {number}: {key} {old.get(key)!r:.20} is {new.get(key)!r:.20}"
     return ""
+
+
+def _alike(old: object, new: object, rounding: float) -> bool:
+    if isinstance(old, float) and isinstance(new, float):
+        return isclose(old, new, rel_tol=rounding)
+    return old == new
