@@ -26,7 +26,7 @@ from tutorial_lib.learning.weights import LOADED, fingerprint_of, load_card
 MODULE, CODE, NETWORKS = "module", "code", "networks"
 CANARY, PROCESSOR = "canary", "processor"
 """What a report's `made_from` holds."""
-ROUNDING = 1e-9
+ROUNDING = 1e-6
 """Share of a number by which kinds of processors may differ."""
 FITS, UNKNOWN, NETWORK, CHANGED = "fits", "unknown", "network", "code"
 """How a result stands to the library of today."""
@@ -107,8 +107,9 @@ def _made_from_here(name: str, options: Options) -> dict[str, Any]:
 def checked(report: Report, name: str, options: Options) -> tuple[Report, str]:
     """Run the canary of a result whose code has changed.
 
-    Numbers that another kind of processor calculated may differ by rounding, so nine digits of them
-    are compared; rows that differ by more may differ by that alone, too.
+    Another kind of processor rounds otherwise, and the drives of a canary carry that on: of its
+    numbers six digits are compared, which are more than any page shows. Rows that differ by more
+    may differ by that alone, too.
 
     Args:
         report: the result.
