@@ -10,6 +10,8 @@ import numpy as np
 from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.geometry import Array
 
+_DIGITS = 9  # up to which answers may be rounded
+_NEAR = 2e-5  # share, or difference from 0, up to which an answer is right but for its digits
 _FEWEST = 2  # different numbers from which more is concluded than chance would explain
 _alike = partial(np.allclose, rtol=0, atol=1e-6, equal_nan=True)
 
@@ -26,7 +28,7 @@ def altered(pairs: Sequence[tuple[Any, Any]]) -> str:
     got, want = (np.concatenate(side) for side in zip(*values, strict=True))
     if _alike(want, np.round(want)):  # whole numbers have no digits to lose
         return ""
-    return _rounded(got, want) or _lost(got, want) or _limited(got, want)
+    return _rounded(got, want) or _nearly(got, want) or _lost(got, want) or _limited(got, want)
 
 
 def telling(answers: Sequence[Any]) -> bool:
@@ -39,11 +41,23 @@ def telling(answers: Sequence[Any]) -> bool:
 def _rounded(got: Array, want: Array) -> str:
     if _alike(got, np.trunc(want)):
         return "your answers are whole numbers: their digits are cut off; return all digits"
-    for digits in range(4):
-        if _alike(got, np.round(want, digits)):
+    for digits in range(_DIGITS):
+        near = min(1e-6, 10.0 ** -(digits + 3))
+        if np.allclose(got, np.round(want, digits), rtol=0, atol=near, equal_nan=True):
             how = f"to {number_of(digits, 'digit')}" if digits else "to whole numbers"
             return f"your answers are rounded {how}; return all digits"
     return ""
+
+
+def _nearly(got: Array, want: Array) -> str:
+    if not np.allclose(got, want, rtol=_NEAR, atol=_NEAR, equal_nan=True):
+        return ""
+    if np.array_equal(got, got.astype(np.float32), equal_nan=True):
+        return "float32 keeps seven digits only: compute with float64, which numpy takes by itself"
+    return (
+        "nearly right: is something rounded (as in float32), pi written with few digits, or a "
+        "small number added?"
+    )
 
 
 def _lost(got: Array, want: Array) -> str:

@@ -33,21 +33,35 @@ class Alias(WrongAnswer):
         self.answer = answer
 
 
-def patient(invoke: Callable[..., Any]) -> tuple[Callable[..., Any], list[Alias]]:
-    """A way to call that goes on after an `Alias`, and those that it met.
+def patient(invoke: Callable[..., Any]) -> tuple[Callable[..., Any], list[WrongAnswer]]:
+    """A way to call that goes on after an `Alias`, and what is to be said in the end.
 
-    Wrong numbers come first; that they are not the student's own is said in the end.
+    Wrong numbers come first; then that they are not the student's own, or that a call has changed
+    what the call before it returned.
     """
-    met: list[Alias] = []
+    met: list[WrongAnswer] = []
+    last: list[Any] = [None, None]  # an answer, and what it was
 
     def on(*arguments: Any) -> Any:  # noqa: ANN401
         try:
-            return invoke(*arguments)
+            answer = invoke(*arguments)
         except Alias as alias:
             met.append(alias)
-            return alias.answer
+            answer = alias.answer
+        if not unchanged(last[1], last[0]):
+            words = "each call changes what the one before it returned; return a new array"
+            met.append(WrongAnswer(words))
+        last[:] = answer, copy.deepcopy(answer) if _arrays(answer) else answer
+        return answer
 
     return on, met
+
+
+def _arrays(answer: Any) -> bool:  # noqa: ANN401
+    """Whether an answer is an array, or several."""
+    if isinstance(answer, tuple | list):
+        return bool(answer) and all(isinstance(part, np.ndarray) for part in answer)
+    return isinstance(answer, np.ndarray)
 
 
 def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.checks.framework.alterations import altered
 from tutorial_lib.checks.framework.answers import call, patient, unchanged
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.wording import both
 from tutorial_lib.geometry import Array
 
 Function = Callable[..., Any]
@@ -193,4 +194,5 @@ def farthest(got: Array, want: Array, *_: object) -> str:
         apart = np.nan_to_num(np.abs(got - want))
     worst = np.unravel_index(apart.argmax(), want.shape)
     place = f" at {tuple(int(i) for i in worst)}" if want.shape else ""
-    return f"{got[worst]:.4g}{place}, but {want[worst]:.4g} is right"
+    mine, right = both(got[worst], want[worst])
+    return f"{mine}{place}, but {right} is right"

@@ -13,6 +13,20 @@ def kind(value: Any) -> str:  # noqa: ANN401 - whatever students return
     return f"{'an' if name[0] in 'aeioAEIO' or name == 'ndarray' else 'a'} {name}"
 
 
+def both(mine: float, right: float, digits: int = 4) -> tuple[str, str]:
+    """Two numbers with as many digits as it takes to see that they differ.
+
+    >>> both(0.25, 0.75)
+    ('0.25', '0.75')
+    >>> both(0.481400012, 0.4814)
+    ('0.48140001', '0.4814')
+    """
+    for count in range(digits, 17):
+        if f"{mine:.{count}g}" != f"{right:.{count}g}":
+            return f"{mine:.{count}g}", f"{right:.{count}g}"
+    return repr(float(mine)), repr(float(right))
+
+
 def times(count: int) -> str:
     """How often: "never", "once", "twice", "3 times"."""
     return _COUNTED.get(count, f"{count} times")

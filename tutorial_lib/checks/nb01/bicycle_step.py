@@ -77,6 +77,12 @@ TOPICS = {
         (_POSE, 0.8, 0.02, 0.3, 0.1),
         (_POSE, 0.8, -0.02, 0.3, 0.1),
     ),
+    "a car that turns past half a turn, and one that has turned further": hint(
+        "a heading may grow beyond pi; one that is wrapped must be a whole turn off",
+        *((np.array([1.0, 2.0, h]), 0.8, s, 0.3, 0.1) for h, s in ((3.1, 0.4), (-3.1, -0.4))),
+        (np.array([1.0, 2.0, 7.0]), 0.8, 0.3, 0.3, 0.02),
+        (np.array([1.0, 2.0, -7.0]), 0.8, 0.3, 0.3, 0.02),
+    ),
     "30 random steps": hint(
         "the simple cases are right; does a part of your formula hold for some of them only?",
         *_RANDOM,

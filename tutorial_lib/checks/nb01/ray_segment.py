@@ -88,6 +88,7 @@ TOPICS = {
         _ray(_BY, _AHEAD, [2, 0.26], [2, 1.26]),
         _ray(_BY, _AHEAD, [2, -0.75], [2, 0.24]),
         _ray(_BY, _AHEAD, [2, 0.2501], [2, 1.2501]),
+        _ray(_BY, _AHEAD, [2, 0.250001], [2, 1.250001]),
     ),
     "a wall behind the robot": _both(
         "a ray runs one way only: t is negative, so it misses",
@@ -98,6 +99,9 @@ TOPICS = {
     ),
     "a ray that starts on the wall": _both(
         "t = 0 counts: the answer is 0", _ray(_AT, _AHEAD, [0, -1], [0, 1])
+    ),
+    "a ray that starts on an end of the wall": _both(
+        "t = 0 counts there, too: the answer is 0", _ray(_AT, _AHEAD, [0, 0], [0, 1])
     ),
     "a ray that hits exactly an end of the wall": _both(
         "u = 0 and u = 1 count: the ray hits",

@@ -48,6 +48,10 @@ TOPICS = {
         "the simple cases are right; does a part of your formula hold for some headings only?",
         *(case(pose, _RNG.uniform(-9, 9, (1 + i % 9, 2))) for i, pose in enumerate(_POSES)),
     ),
+    "70 points": hint(
+        "each point has its own row, however many there are: write no number in its place",
+        case(np.array([1.0, 2.0, 0.7]), _RNG.uniform(-4, 4, (70, 2))),
+    ),
 }
 MISTAKES = """
 the robot's frame is turned the wrong way; use minus the heading

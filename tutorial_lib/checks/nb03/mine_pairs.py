@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import Mask, WrongAnswer, check, parts
-from tutorial_lib.checks.framework.wording import times
+from tutorial_lib.checks.framework.wording import both, times
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.geometry import Array
 
@@ -285,7 +285,7 @@ def _demand_weights(what: str, pool: Pool, pairs: Pairs, weights: Array) -> None
     if len(own) and not np.isclose(found, pool.share, atol=1e-6):
         words = f"mined pairs together have {found:.1%} of the weight of all"
         right = pool.share / (1 - pool.share) * (~mined).sum() / mined.sum()
-        each = f"so each weighs {right:.4g}, not {own[0]:.4g}"
+        each = "so each weighs {1}, not {0}".format(*both(own[0], right))
         raise WrongAnswer(f"{what}: {words}; share is {pool.share:.0%}, {each}")
 
 

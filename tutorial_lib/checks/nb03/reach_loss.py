@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise
+from tutorial_lib.checks.framework.wording import both
 from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.geometry import Array
 
@@ -127,7 +128,8 @@ def _apart(got: float, want: float, logits: Array, labels: Array, *_: Array) -> 
         return "the loss is not a number; is something divided by zero, or log taken of it?"
     first = reach_loss(logits[:1], labels[:1], np.ones(1))
     words = f"the first pair, with z = {logits[0]:.3g} and y = {labels[0]:.3g}, has the loss"
-    return f"{got:.4g}, but {want:.4g} is right; {words} {first:.4g} alone"
+    mine, right = both(got, want)
+    return f"{mine}, but {right} is right; {words} {first:.4g} alone"
 
 
 def _limited(got: float, want: float, *case: Array) -> str:
@@ -137,11 +139,12 @@ def _limited(got: float, want: float, *case: Array) -> str:
         if np.isnan(got):
             words = "not a number, since log(0) was taken, of a probability that is exactly 0 or 1"
         return f"the loss is {words}; np.logaddexp(0, z) is log(1 + exp(z)) for every z"
+    mine, right = both(got, want)
     if abs(got) < abs(want):
         words = "the probability was clipped, or the logit: a mistake costs the same however sure"
         words = f"{words} the network was; take the logit as it is"
-        return f"{got:.4g}, but {want:.4g} is right: {words}"
-    return f"{got:.4g}, but {want:.4g} is right; stay with the logit, by the second form"
+        return f"{mine}, but {right} is right: {words}"
+    return f"{mine}, but {right} is right; stay with the logit, by the second form"
 
 
 check_reach_loss = exercise(

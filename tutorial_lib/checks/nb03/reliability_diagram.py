@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import WrongAnswer, check, close, parts
+from tutorial_lib.checks.framework.wording import both
 from tutorial_lib.checks.nb03.forms import calling, one_number, vector
 from tutorial_lib.geometry import Array
 
@@ -132,12 +133,14 @@ def _bin_apart(got: Array, want: Array, what: str) -> str:
     if np.isnan(got).any():
         return f"{what} of bin {int(np.isnan(got).argmax())} is not a number; is that bin empty?"
     worst = int(np.abs(got - want).argmax())
-    return f"{what} of bin {worst} is {got[worst]:.4g}, but {want[worst]:.4g} is right"
+    mine, right = both(got[worst], want[worst])
+    return f"{what} of bin {worst} is {mine}, but {right} is right"
 
 
 def _ece_apart(got: float, want: float) -> str:
     words = "is right: the sum over the bins of n_b / N times the gap between its two means"
-    return f"the ECE is {got:.4g}, but {want:.4g} {words}"
+    mine, right = both(got, want)
+    return f"the ECE is {mine}, but {right} {words}"
 
 
 def _mistakes(

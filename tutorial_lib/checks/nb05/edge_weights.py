@@ -122,10 +122,13 @@ def _why(got: Array, want: Array, reach: Array, driven: Mask, p_edge: float) -> 
     if np.isnan(got).any():
         return "some weights are not a number; where there is no edge the weight is np.inf"
     there = np.isfinite(want)
-    if np.allclose(got[there], want[there]) and len(np.unique(got[~there])) == 1:
-        value = got[~there][0]
+    elsewhere = np.unique(got[~there])
+    if np.allclose(got[there], want[there]) and len(elsewhere) == 1 and elsewhere[0] != np.inf:
+        value = elsewhere[0]
         return f"where there is no edge the weight is np.inf; yours has {value:g} everywhere"
-    if (got[there] <= want[there] + 1e-9).all() and np.array_equal(there, np.isfinite(got)):
+    near = np.allclose(got[there], want[there], atol=1e-5)
+    lowered = not near and (got[there] <= want[there] + 1e-9).all()
+    if lowered and np.array_equal(there, np.isfinite(got)):
         bound = np.exp(-got[there].max())
         if np.allclose(got[there], -np.log(np.maximum(reach[there], bound))):
             return f"only RE below 1e-12 counts as 1e-12; yours lets none be below {bound:.2g}"

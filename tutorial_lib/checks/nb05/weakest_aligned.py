@@ -37,6 +37,7 @@ CASES = {
     "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
     "three anchors on either side": (random_reach(8, 7, 31), *MIXED, 3),
     "sequences longer than the trajectories": (random_reach(4, 5, 32), *ONE, 9),
+    "six anchors on either side": (random_reach(14, 7, 36), *MIXED, 6),
     "more vertices than anchors": (random_reach(3, 7, 33), *MIXED, 1),
     "RE with many digits": (np.random.default_rng(35).random((5, 6)), *TWO, 2),
     "one vertex": (random_reach(4, 1, 34), np.array([-1]), np.array([-1]), 2),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.checks.engine import calling, close, exercise, numbers
-from tutorial_lib.checks.nb07.small_differences import both, of_rounding
+from tutorial_lib.checks.framework.wording import both
 from tutorial_lib.checks.nb07.small_models import random_beliefs, random_model
 from tutorial_lib.geometry import Array
 
@@ -110,8 +110,6 @@ def _broken(got: Array, want: Array, belief: Array, motion: Array, *_: Array) ->
     still = (motion > 0) & np.isclose(got, belief, rtol=0, atol=1e-12).all(axis=1)
     if still.any() and motion[still].max() < _SMALL:
         return "small motions count as well: many of them make a large one"
-    if of_rounding(got, want):
-        return ""
     if not np.allclose(got.sum(axis=1), 1.0, atol=1e-4):
         return (
             "nothing is lost or gained: what leaves a state arrives where its row of onward "
@@ -134,7 +132,7 @@ def _why(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
     place = int(np.abs(got - want)[row].argmax())
     mine, right = both(got[row, place], want[row, place])
     name = "off the map" if place == want.shape[1] - 1 else f"vertex {place}"
-    return f"robot {row}, {name}: {mine}, but {right} is right{of_rounding(got, want)}"
+    return f"robot {row}, {name}: {mine}, but {right} is right"
 
 
 _SMALL = 0.3  # metres

@@ -81,7 +81,7 @@ def _along(
     places: ArrayLike,
     gone: ArrayLike | None = None,
     vertices: int = 6,
-    twins: dict[int, int] | None = None,
+    twins: dict[int, float] | None = None,
     rules: FilterSettings = _RULES,
 ) -> Story:
     """A drive along vertices a metre apart; a place below -1 shows what no vertex does."""
@@ -135,7 +135,7 @@ STORIES: dict[str, Story] = {
     "along the row": _along(_ON),
     "at standstill": _along(np.full(16, 2.0)),
     "along the row, then still": _along([*_ON, *np.full(14, 1.9)]),
-    "the same stretch twice": _along(np.arange(1.0, 3.4, 0.1), twins={4: 1, 5: 2}),
+    "the same stretch twice": _along(np.arange(1.0, 3.4, 0.1), twins={4: 1.02, 5: 2.02}),
     "kidnapped from the row's end to its middle": _along(
         [*np.arange(0.0, 1.2, 0.1), *np.arange(3.0, 4.6, 0.1)], np.arange(28) * 0.1
     ),

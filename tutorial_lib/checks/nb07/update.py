@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from tutorial_lib.checks.engine import calling, close, exercise, numbers
-from tutorial_lib.checks.nb07.small_differences import farthest, of_rounding
+from tutorial_lib.checks.engine import calling, close, exercise, farthest, numbers
 from tutorial_lib.checks.nb07.small_models import random_beliefs
 from tutorial_lib.geometry import Array
 
@@ -41,6 +40,10 @@ CASES = {
     "a view that is hardly possible anywhere": (
         np.array([[0.6, 0.4, 0.0], [0.2, 0.2, 0.6]]),
         np.array([[3e-20, 1e-20, 0.5], [0.5, 0.1, 0.1]]),
+    ),
+    "a view that is possible nowhere but for 1e-30": (
+        np.array([[0.6, 0.4, 0.0], [0.2, 0.2, 0.6]]),
+        np.array([[3e-30, 1e-30, 0.5], [0.5, 0.1, 0.1]]),
     ),
     "likelihoods above 1": (random_beliefs(2, 4, 5), _case(2, 4, 5)[1] * 6.0),
     "many vertices": _case(4, 12, 3),
@@ -90,8 +93,6 @@ where nothing is possible yours divides by 0; set the last state to 1 before
 
 def _broken(got: Array, want: Array, prior: Array, likelihood: Array) -> str:
     """Which part of the rule is broken in the worst row."""
-    if of_rounding(got, want):
-        return ""
     row = int(np.nan_to_num(np.abs(got - want), nan=np.inf).max(axis=1).argmax())
     total = float((prior[row] * likelihood[row]).sum())
     if total == 0.0:

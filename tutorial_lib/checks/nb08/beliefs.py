@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from tutorial_lib.checks.engine import calling, case, close, exercise, numbers, parts
+from tutorial_lib.checks.engine import calling, case, close, exercise, farthest, numbers, parts
+from tutorial_lib.checks.framework.wording import both
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.maintenance import bayes, gaussian
 
@@ -20,6 +21,7 @@ BELIEFS = {
     "a success that is less likely with the edge": case(0.5, 0.3, 0.6, True),
     "an edge that surely exists": case(1.0, 0.9, 0.05, False),
     "an edge that surely does not": case(0.0, 0.9, 0.05, True),
+    "a success that numpy measured": case(0.5, 0.9, 0.05, np.True_),
 }
 BAYES = """
 a failure is no success: its likelihoods are 1 - p(s | r) and 1 - p(s | not r)
@@ -66,7 +68,7 @@ check_bayes = exercise(
     invoke=calling({TypeError: "all arguments are numbers, success is True or False"}),
     form=lambda what, got, *_: numbers(what, got, ()),
     same=partial(close, tolerance=1e-9),
-    difference=lambda got, want, *_: f"{float(got):.4g}, but {float(want):.4g} is right",
+    difference=farthest,
     broken=_broken_belief,
 )
 
@@ -109,6 +111,11 @@ def _broken_length(got: Array, want: Array, *_: float) -> str:
     return "the variance: 1 / new = 1 / variance + 1 / noise"
 
 
+def _unlike(got: Array, want: Array, *_: float) -> str:
+    mean, variance = (both(*pair) for pair in zip(got, want, strict=True))
+    return f"mean {mean[0]} and variance {variance[0]}, but {mean[1]} and {variance[1]} are right"
+
+
 check_gaussian = exercise(
     gaussian,
     LENGTHS,
@@ -120,9 +127,6 @@ check_gaussian = exercise(
     invoke=calling({TypeError: "all arguments are numbers"}),
     form=_two,
     same=partial(close, tolerance=1e-9),
-    difference=lambda got, want, *_: (
-        f"mean {got[0]:.4g} and variance {got[1]:.4g}, but {want[0]:.4g} and {want[1]:.4g} are "
-        "right"
-    ),
+    difference=_unlike,
     broken=_broken_length,
 )

@@ -22,6 +22,7 @@ CASES = {
     "nowhere": case(np.zeros((1, 3))),
     "six at random": case(_SOME),
     "a table of them, (2, 3, 3)": case(_SOME.reshape(2, 3, 3)),
+    "one waypoint, (3,)": case(_SOME[0]),
 }
 MISTAKES = """
 the turn stands in the matrix twice, once with either sign: 2 turn^2 under the root

@@ -101,6 +101,7 @@ CASES: dict[str, tuple[Any, ...]] = {
     "a heading beside the right one": _wrong(_CORNER, 0.0, 0.0, 25),
     "a match 2 m from where odometry says": _moved(_ROOM, 1.6, -1.2, 5),
     "a match 1.4 m from where odometry says": _moved(_CORNER, -1.0, 1.0, -5),
+    "a match 1.2 m from where odometry says, ahead and beside it": _drifted(_ROOM, 0.85, 0.85),
     "a match 1.5 m ahead of where odometry says": _drifted(_ROOM, 1.5, 0.0),
     "a match 1.5 m beside where odometry says": _drifted(_SMALL, 0.0, 1.5),
     "a match that looks the other way": _moved(_SMALL, 0.1, 0.1, 180),
