@@ -23,8 +23,8 @@ from tutorial_lib.experiments.provenance import (
     made_from,
     standing_of,
 )
-from tutorial_lib.experiments.results_page.section import mark_of
 from tutorial_lib.experiments.results_page.sources import COMMANDS, EXPERIMENTS, load_results
+from tutorial_lib.experiments.results_page.templates import mark_of
 from tutorial_lib.learning.threads import processor
 
 ROWS = [{"method": "meng", "success": 0.5}, {"method": "sptm", "success": None}]

@@ -84,7 +84,7 @@ experiments/results_page/markdown.py | project/test_style.py -k doctests
 an interval without width is shown
     if row[low] == row[high]: -> if row[low] > row[high]:
 
-experiments/results_page/section.py | experiments/results_page/test_sources.py -k damaged
+experiments/results_page/templates.py | experiments/results_page/test_sources.py -k damaged
 a damaged report is an error of the program
     except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         -> except OSError as error:

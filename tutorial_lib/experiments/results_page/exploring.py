@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 from typing import Any
 
@@ -72,13 +73,16 @@ RULES = {
 GOALS = {"passed": "passed on the first visit", "elsewhere": "elsewhere", "all": "all"}
 
 
-def gap_of(row: Row, key: str) -> str:
+def paired(key: str) -> Callable[[Row], str]:
     """A paired difference of shares and its interval.
 
-    >>> gap_of({"gain": 0.1, "gain_low": 0.05, "gain_high": 0.2}, "gain")
+    >>> paired("gain")({"gain": 0.1, "gain_low": 0.05, "gain_high": 0.2})
     '+10.0 points (+5.0 to +20.0)'
     """
-    return str(Finding(key, row[key], row[f"{key}_low"], row[f"{key}_high"]))
+    return lambda row: str(Finding(key, row[key], row[f"{key}_low"], row[f"{key}_high"]))
+
+
+GAIN = paired("gain")
 
 
 def choices(rows: Rows) -> str:
@@ -94,7 +98,7 @@ def choices(rows: Rows) -> str:
         ("F_S", of(rgbd, lambda row: interval(row, "top1"), score="semantic")),
         *((words, of(rgbd, "{top1:.1%}", score=score)) for score, words in scores.items()),
         ("random", of(rgbd, "{top1:.1%}", score="random")),
-        *((f"F_S - {words}", of(rgbd, _gain, score=score)) for score, words in scores.items()),
+        *((f"F_S - {words}", of(rgbd, GAIN, score=score)) for score, words in scores.items()),
         ("F_S without depth", of(rgb, "{top1:.1%}", score="semantic")),
     )
 
@@ -230,8 +234,8 @@ def gaps(rows: Rows) -> str:
         ("NTS - this", AGENT),
         ("worlds", "{signs}"),
         ("in the paper", lambda row: paper[row["agent"]]),
-        ("success, 1 goal", of(rows, _success_gap, goals=1)),
-        ("success, 10 goals", of(rows, _success_gap, goals=10)),
+        ("success, 1 goal", of(rows, paired("success_gap"), goals=1)),
+        ("success, 10 goals", of(rows, paired("success_gap"), goals=10)),
         ("SPL, 1 goal", of(rows, "{spl_gap:+.3f}", goals=1)),
         ("SPL, 10 goals", of(rows, "{spl_gap:+.3f}", goals=10)),
     )
@@ -277,7 +281,7 @@ def second_visit(rows: Rows) -> str:
         ("success", of(rows, success)),
         ("SPL", of(rows, "{spl:,.3f}")),
         ("along the map", of(rows, lambda row: percent(row["recalled"], 0))),
-        ("both - this", of(rows, lambda row: "" if row["method"] == "both" else _gain(row))),
+        ("both - this", of(rows, lambda row: "" if row["method"] == "both" else GAIN(row))),
     )
 
 
@@ -304,11 +308,3 @@ def _reported(agent: str, sensor: str) -> str:
     """Success and SPL by difficulty as the paper has them; nothing where it has not."""
     levels = TABLE1.get((agent, sensor), ())
     return ", ".join(f"{success:.2f} / {spl:.2f}" for success, spl in levels)
-
-
-def _gain(row: Row) -> str:
-    return gap_of(row, "gain")
-
-
-def _success_gap(row: Row) -> str:
-    return gap_of(row, "success_gap")

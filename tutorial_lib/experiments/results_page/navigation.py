@@ -8,7 +8,7 @@ from statistics import fmean
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE
-from tutorial_lib.experiments.results_page.markdown import Row, counted, listed, percent, table
+from tutorial_lib.experiments.results_page.markdown import Row, listed, percent, table
 from tutorial_lib.experiments.results_page.sources import Results, goal_words
 from tutorial_lib.experiments.results_page.tables import (
     Best,
@@ -20,6 +20,7 @@ from tutorial_lib.experiments.results_page.tables import (
     matching,
     of,
     one,
+    part,
     pivot,
     success,
     success_count,
@@ -56,7 +57,7 @@ chosen = table_of(*THRESHOLDS, ("composed", "{success_composed:.1%}"))
 fewer_trajectories = table_of(
     ("trajectories", "{share:.0%}"),
     ("success", success_count),
-    ("repeating alone", lambda row: counted(row["no_generalisation"], row["trials"])),
+    ("repeating alone", part("no_generalisation", "trials")),
     ("vertices, mean", "{vertices:,.1f}"),
 )
 """Success with a part of the trajectories."""
@@ -107,10 +108,7 @@ def failures(rows: Rows) -> str:
 
 def goal_images(rows: Rows, others: Rows) -> str:
     """Success by what shows the goal and by p_goal; `others` are of the same after a tour."""
-
-    def composed(row: Row) -> str:
-        return counted(row["success_composed"], row["trials_composed"])
-
+    composed = part("success_composed", "trials_composed")
     return listing(
         rows,
         ("goal", "{goal_images}"),

@@ -25,9 +25,8 @@ from tutorial_lib.experiments.results_page import (
     worlds,
 )
 from tutorial_lib.experiments.results_page.markdown import link
-from tutorial_lib.experiments.results_page.section import blaming
 from tutorial_lib.experiments.results_page.sources import Results, load_results
-from tutorial_lib.experiments.results_page.templates import render, render_chapter
+from tutorial_lib.experiments.results_page.templates import blaming, render, render_chapter
 from tutorial_lib.files import make_folder, write_text
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"

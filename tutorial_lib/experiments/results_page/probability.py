@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.results_page.markdown import counted, number, percent
-from tutorial_lib.experiments.results_page.tables import listing, matching, success, table_of
+from tutorial_lib.experiments.results_page.markdown import number, percent
+from tutorial_lib.experiments.results_page.tables import listing, matching, part, success, table_of
 
 FAULTS = {
     "none": "nobody there",
@@ -29,8 +29,8 @@ def plan_probabilities(rows: Rows) -> str:
 
 outcomes_of_faults = table_of(
     ("fault", "{name}"),
-    ("reached", lambda row: counted(row["reached"], row["trials"])),
-    ("refused", lambda row: counted(row["refused"], row["trials"])),
+    ("reached", part("reached", "trials")),
+    ("refused", part("refused", "trials")),
     ("plans, mean", lambda row: number(row["plans"], 1)),
     ("probability, mean", lambda row: percent(row["probability"])),
     names=("fault", FAULTS),

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.reachability import SURE
-from tutorial_lib.experiments.results_page.markdown import Row, counted, number_interval
+from tutorial_lib.experiments.results_page.markdown import number_interval
 from tutorial_lib.experiments.results_page.tables import (
     Best,
-    Text,
     listing,
     named,
+    part,
     table_of,
     without,
 )
@@ -23,6 +23,7 @@ ESTIMATORS = {
     "image": "image similarity",
     "geometry": "true geometry",
 }
+FAR_ABOVE = part("far_above_09", "far", digits=2)
 KNOWING = ("geometry",)
 """Bounds, never the best."""
 PRECISION = {"mix": "mixed pairs", "consecutive": "consecutive anchors", "map": "map edges"}
@@ -32,14 +33,6 @@ PRECISION = {"mix": "mixed pairs", "consecutive": "consecutive anchors", "map": 
 def _best(key: str) -> Best:
     judged = without(KNOWING, "estimator", key)
     return Best(lambda row: number_interval(row, key), judged, least=key == "ece")
-
-
-def _precision(kind: str) -> Text:
-    return lambda row: counted(row[f"precision_{kind}"], row[f"sure_{kind}"])
-
-
-def _far_above(row: Row) -> str:
-    return counted(row["far_above_09"], row["far"], 2)
 
 
 discrimination = table_of(
@@ -52,8 +45,8 @@ discrimination = table_of(
 """AUC and calibration error of every estimator."""
 precision = table_of(
     ("estimator", "{name}"),
-    *((words, _precision(kind)) for kind, words in PRECISION.items()),
-    ("far pairs above 0.9", _far_above),
+    *((words, part(f"precision_{kind}", f"sure_{kind}")) for kind, words in PRECISION.items()),
+    ("far pairs above 0.9", FAR_ABOVE),
     names=("estimator", ESTIMATORS),
 )
 """Share of sure predictions that come true, and of far pairs that are predicted likely."""
@@ -73,6 +66,6 @@ def in_halls(everywhere: Rows, halls: Rows) -> str:
         ("AUC", lambda row: number_interval(row, "auc")),
         ("of the true geometry", "{geometry_auc:.3f}"),
         ("ECE", lambda row: number_interval(row, "ece")),
-        (f"right above {SURE:g}", _precision("mix")),
-        ("far above 0.9", _far_above),
+        (f"right above {SURE:g}", part("precision_mix", "sure_mix")),
+        ("far above 0.9", FAR_ABOVE),
     )

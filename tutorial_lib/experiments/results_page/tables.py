@@ -115,9 +115,17 @@ def share(key: str) -> Callable[[Row], str]:
     return lambda row: "" if row[key] is None else interval(row, key, f"{key}_low", f"{key}_high")
 
 
-def success_count(row: Row) -> str:
-    """The share of trials that succeeded, with their count."""
-    return counted(row["success"], row["trials"])
+def part(key: str, whole: str, digits: int = 1) -> Callable[[Row], str]:
+    """A share of a column's count, with the count behind it; nothing for None.
+
+    >>> part("lost", "trials")({"lost": 0.5, "trials": 80})
+    '50.0% (40 of 80)'
+    """
+    return lambda row: counted(row[key], row[whole], digits)
+
+
+success_count = part("success", "trials")
+"""The share of trials that succeeded, with their count."""
 
 
 def success_and_spl(row: Row) -> str:

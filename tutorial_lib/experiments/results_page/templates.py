@@ -1,9 +1,15 @@
-"""The templates of the page: prose in Markdown, whose numbers are short expressions."""
+"""The templates of the page: prose in Markdown, whose numbers are short expressions.
+
+A section tells of one experiment: what was measured, by which commands, and what was found.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from inspect import getmembers, isfunction, ismethod
 from statistics import fmean
 from traceback import extract_tb
@@ -14,16 +20,40 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, TemplateError
 from jinja2.utils import missing
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Report
 from tutorial_lib.experiments.common.results import FOLDER
+from tutorial_lib.experiments.provenance import CHANGED, NETWORK, standing_of
 from tutorial_lib.experiments.results_page import markdown, paper, tables
 from tutorial_lib.experiments.results_page.library import LIBRARY
-from tutorial_lib.experiments.results_page.section import Section, section_of
-from tutorial_lib.experiments.results_page.sources import MAPS, Results, goal_words
+from tutorial_lib.experiments.results_page.sources import (
+    MAPS,
+    Results,
+    command_of,
+    goal_words,
+    remedy,
+)
 from tutorial_lib.world.worlds import TRAINING_SEEDS
 
+LONG = 120
+"""Seconds from which on a duration is given in minutes."""
 TEMPLATES = FOLDER / "page"
 FUNCTIONS = (goal_words, math.ceil, math.degrees, math.floor, max, min, sum)
 """What every template may call, besides `mean`, what makes tables, and the methods of `Results`."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """One experiment on the page.
+
+    Attributes:
+        title: of the section.
+        sources: names of the reports whose commands it shows.
+        text: of the section in Markdown, heading included.
+    """
+
+    title: str
+    sources: tuple[str, ...]
+    text: str
 
 
 class Missing(StrictUndefined):
@@ -72,15 +102,75 @@ def render_chapter(
 ) -> tuple[str, list[Section]]:
     """A chapter, and its sections: all, or `only` that of this title.
 
-    The module of its tables has the name of its template.
+    The module of its tables has the name of its template. A section shows the commands of its
+    sources, if it has any, below its first paragraph.
+
+    Raises:
+        InputError: naming the reports that a section read, if one lacks a row, a column or a note.
     """
     found: list[Section] = []
 
     def section(title: str, *sources: str, caller: Callable[[], str]) -> str:
         if only not in ("", title):
             return ""
-        found.append(section_of(results, title, sources, caller))
-        return f"{found[-1].text}\n"
+        with blaming(results, sources):
+            measured, *rest = paragraphs(caller())
+        text = "\n\n".join([f"### {title}", measured, *_commands(results, sources), *rest])
+        found.append(Section(title, sources, text))
+        return f"{text}\n"
 
     name = chapter.__name__.rpartition(".")[2]
     return render(results, name, tables=chapter, section=section), found
+
+
+@contextmanager
+def blaming(results: Results, sources: tuple[str, ...] = ()) -> Iterator[None]:
+    """Reports that are read within are to blame for what goes wrong there.
+
+    Raises:
+        InputError: naming the reports, `sources` first, and their commands, if one lacks a row, a
+            column or a note.
+    """
+    results.read.clear()
+    try:
+        yield
+    except InputError:
+        raise
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        names = tuple(dict.fromkeys((*sources, *results.read)))
+        files = ", ".join(f"{name}.json" for name in names)
+        advice = "; ".join(remedy(name) for name in names)
+        raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
+
+
+def paragraphs(text: str) -> list[str]:
+    r"""What empty lines divide.
+
+    >>> paragraphs("one\n\n\n| two |\n|---|\n")
+    ['one', '| two |\n|---|']
+    """
+    return re.split(r"\n\n+", text.strip("\n"))
+
+
+def _commands(results: Results, names: tuple[str, ...]) -> list[str]:
+    """One block of the commands; none without a command."""
+    lines = [
+        f"{command_of(name)}   # {duration(report.seconds)}{mark_of(report)}"
+        for name, report in ((name, results.reports[name]) for name in names)
+    ]
+    return ["\n".join(["```sh", *lines, "```"])] if lines else []
+
+
+def mark_of(report: Report) -> str:
+    """What the page says of a result that no longer fits the library."""
+    standing = standing_of(report)
+    return f"; STALE: {standing.words}" if standing.kind in (NETWORK, CHANGED) else ""
+
+
+def duration(seconds: float) -> str:
+    """How long something took.
+
+    >>> duration(7.66), duration(998.7)
+    ('8 s', '17 min')
+    """
+    return f"{seconds:.0f} s" if seconds < LONG else f"{seconds / 60:.0f} min"
