@@ -164,7 +164,6 @@ CANVAS = {
     "draw_anchors": lambda: on(
         viz.draw_anchors,
         poses=poses("A"),
-        numbered=flag(True),
         size=line(),
         colour=colour(),
     ),
@@ -324,10 +323,8 @@ FIGURES = {
         frames=several([np.zeros((8, 9, 3), np.uint8)] * 2, empty=False),
         times=floats([0.0, 1.0], (2,), optional=True),
         count=whole(4, least=1),
-        width=side(96),
-        gap=whole(8, least=0, most=16_384),
     ),
-    "follower_machine": lambda: call(viz.follower_machine, width=number(4.0, above=0, most=100)),
+    "follower_machine": lambda: call(viz.follower_machine),
     "follower_strip": lambda: call(
         viz.follower_strip,
         view=view(),
@@ -394,9 +391,7 @@ FIGURES = {
         target=picture(8, 24, ("h", "w")),
         width=side(48, 2),
     ),
-    "probability_bar": lambda: call(
-        viz.probability_bar, low=text("no"), high=text("yes"), width=side(40)
-    ),
+    "probability_bar": lambda: call(viz.probability_bar, low=text("no"), high=text("yes")),
     "reach_table": lambda: call(
         viz.reach_table,
         reach=floats(np.eye(4), (4, 4)),

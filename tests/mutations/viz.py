@@ -36,8 +36,8 @@ rays are drawn in the robot's frame
 
 viz/figures/panels.py | viz/figures/test_panels.py
 small frames of a film are blown up
-    scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))
-        -> scale = (width - gap * (len(chosen) - 1)) / (len(chosen) * wide)
+    scale = min(1.0, (STRIP - _GAP * (len(chosen) - 1)) / (len(chosen) * wide))
+        -> scale = (STRIP - _GAP * (len(chosen) - 1)) / (len(chosen) * wide)
 
 viz/figures/closeups.py | viz/figures/test_closeups.py
 where a column is seen again is drawn transposed
@@ -50,7 +50,7 @@ Wilson's interval is not as wide as it should be
 
 viz/figures/planning_graphs.py | viz/figures/test_planning_graphs.py
 the numbers of two edges between two vertices lie on each other
-    (0.5, 0.11) if both -> (0.5, 0.0) if both
+    0.11 if both else 0.0 -> 0.0
 
 viz/notebook/widgets.py | viz/notebook/test_widgets.py
 a static strip leaves out the present value

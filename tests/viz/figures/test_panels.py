@@ -4,6 +4,7 @@ import pytest
 from tests.viz.pictures import plain
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.figures.panels import (
+    STRIP,
     TITLE,
     camera_picture,
     evenly,
@@ -66,12 +67,13 @@ def test_a_long_title_stays_within_its_picture():
 
 def test_a_film_strip_holds_frames_from_first_to_last_with_times():
     frames = [plain(60, 80, shade) for shade in range(0, 100, 10)]
-    whole = film_strip(frames, count=4, width=10_000, gap=8)
+    whole = film_strip(frames, count=4)
     assert whole.shape == (60, 4 * 80 + 3 * 8, 3)
     assert [int(whole[30, 88 * i + 40, 0]) for i in range(4)] == [0, 30, 60, 90]
-    timed = film_strip(frames, np.arange(10) / 10, count=4, width=172, gap=4)
-    assert timed.shape == (30 + TITLE, 172, 3)
-    assert (timed[30:] != 255).any()
+    large = [plain(300, 468, shade) for shade in range(0, 100, 10)]
+    timed = film_strip(large, np.arange(10) / 10, count=4)
+    assert timed.shape == (150 + TITLE, STRIP, 3)
+    assert (timed[150:] != 255).any()
     assert film_strip(frames[:2], count=4).shape[1] == 168
     with pytest.raises(InputError, match="no frames"):
         film_strip([])

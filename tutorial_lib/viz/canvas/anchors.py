@@ -4,10 +4,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.topology.following.transitions import State
-from tutorial_lib.validation import alike, flag, instance, integers
+from tutorial_lib.validation import alike, instance, integers
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.given import places_of
-from tutorial_lib.viz.canvas.labels import write_beside
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
 STATES = {
@@ -39,17 +38,13 @@ def draw_anchors(
     view: PlanView,
     picture: Picture,
     poses: ArrayLike,
-    numbered: bool = False,
     size: float = 6.0,
     colour: tuple[int, int, int] = colours.GOAL,
 ) -> None:
-    """Draw anchors at poses (A, 3) as arrowheads, `numbered` by their place in the sequence."""
+    """Draw anchors at poses (A, 3) as arrowheads."""
     instance("view", view, PlanView)
-    numbered = flag("numbered", numbered)
-    for place, pose in enumerate(places_of("poses", poses, ("A", 3))):
+    for pose in places_of("poses", poses, ("A", 3)):
         view.arrow(picture, pose, colour, size)
-        if numbered:
-            write_beside(view, picture, str(place), pose)
 
 
 def draw_states(

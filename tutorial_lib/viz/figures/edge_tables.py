@@ -14,8 +14,9 @@ from tutorial_lib.viz.canvas.plan_view import Picture
 
 HOLDS, FAILS, PALE = (214, 236, 228), (250, 226, 214), (244, 244, 244)
 """Tints of a cell: an edge, no edge, and neither."""
-_CELL, _HEAD = 46, 46  # pixels
-_SIZE = 0.66  # of a label in a cell, which it nearly fills
+CELL, SIZE = 46, 0.66
+"""Pixels of a cell, and the size of the label that nearly fills it."""
+_HEAD = 46  # pixels
 
 
 def edge_table(
@@ -41,26 +42,30 @@ def edge_table(
     blank, names = flag("blank", blank), instances("names", names, str)
     if len(names) != 2:
         raise InputError(f"names: {len(names)}; give that of the rows and that of the columns")
-    size = (rows * _CELL + _HEAD + 1, columns * _CELL + _HEAD + 1, 3)
+    size = (rows * CELL + _HEAD + 1, columns * CELL + _HEAD + 1, 3)
     picture = np.full(size, colours.PAPER, np.uint8)
     for row, column in np.ndindex(rows, columns):
-        left, top = column * _CELL + _HEAD, row * _CELL + _HEAD
+        left, top = column * CELL + _HEAD, row * CELL + _HEAD
         tint = HOLDS if chosen[row, column] else PALE if blank else FAILS
-        picture[top : top + _CELL - 2, left : left + _CELL - 2] = tint
-        value = values[row, column]
-        if np.isfinite(value):
-            middle = [left + _CELL / 2 - 1, top + _CELL / 2 - 1]
-            write_middle(picture, f"{value:.2f}", middle, _SIZE)
+        draw_cell(picture, left, top, tint, values[row, column])
         if rings[row, column]:
-            corner = (left + _CELL - 4, top + _CELL - 4)
+            corner = (left + CELL - 4, top + CELL - 4)
             cv2.rectangle(picture, (left + 1, top + 1), corner, colours.GOAL, 2)
     for row in range(rows):
-        label(picture, str(row), 16, row * _CELL + _HEAD + 30, _SIZE, colours.SOLID)
+        label(picture, str(row), 16, row * CELL + _HEAD + 30, SIZE, colours.SOLID)
     for column in range(columns):
-        label(picture, str(column), column * _CELL + _HEAD + 16, 36, _SIZE, colours.SOLID)
+        label(picture, str(column), column * CELL + _HEAD + 16, 36, SIZE, colours.SOLID)
     label(picture, names[0], 2, _HEAD - 4, 0.55, colours.SOLID)
     label(picture, names[1], _HEAD, 14, 0.55, colours.SOLID)
     return picture
+
+
+def draw_cell(picture: Picture, left: int, top: int, tint: ArrayLike, value: float) -> None:
+    """Fill a cell with a tint, and write its value if it is finite."""
+    picture[top : top + CELL - 2, left : left + CELL - 2] = tint
+    if np.isfinite(value):
+        middle = [left + CELL / 2 - 1, top + CELL / 2 - 1]
+        write_middle(picture, f"{value:.2f}", middle, SIZE)
 
 
 def aligned_sequences(

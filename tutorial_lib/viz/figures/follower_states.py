@@ -12,12 +12,11 @@ from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.validation import floats, integers, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.anchors import STATES, state_name
-from tutorial_lib.viz.canvas.labels import label, write_middle
+from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.edge_tables import CELL, FAILS, HOLDS, SIZE, draw_cell
 
-_HOLDS, _FAILS = (214, 236, 228), (250, 226, 214)
-_CELL, _SIZE = 46, 0.66  # pixels, and the size of a label in a cell, which it nearly fills
 _MOST = 900  # frames in a row of boxes
 _PLACES = {
     State.SEARCH: (0.10, 0.80),
@@ -48,28 +47,25 @@ def reach_table(reach: ArrayLike, threshold: float, anchors: Sequence[int] = ())
         raise InputError(f"reach: shape {reach.shape}; give (T, T)")
     threshold = number("threshold", threshold)
     anchors = _frames("anchors", anchors, len(reach))
-    side = (len(reach) + 1) * _CELL
+    side = (len(reach) + 1) * CELL
     picture = np.full((side + 1, side + 1, 3), colours.PAPER, np.uint8)
     following = dict(pairwise(anchors))
     for row, line in enumerate(reach):
         for column in range(row + 1, len(reach)):
-            left, top = (column + 1) * _CELL, (row + 1) * _CELL
-            colour = np.array(_HOLDS if line[column] > threshold else _FAILS)
+            left, top = (column + 1) * CELL, (row + 1) * CELL
+            colour = np.array(HOLDS if line[column] > threshold else FAILS)
             if len(following) and row not in following:
                 colour = (colour + 2 * np.array(colours.PAPER)) // 3
-            cell = picture[top : top + _CELL - 2, left : left + _CELL - 2]
-            cell[:] = colour
-            middle = [left + _CELL / 2 - 1, top + _CELL / 2 - 1]
-            write_middle(picture, f"{line[column]:.2f}", middle, _SIZE)
+            draw_cell(picture, left, top, colour, line[column])
             if following.get(row) == column:
-                corner = (left + _CELL - 3, top + _CELL - 3)
+                corner = (left + CELL - 3, top + CELL - 3)
                 cv2.rectangle(picture, (left, top), corner, colours.GOAL, 3)
     for frame in range(len(reach)):
         colour = colours.GOAL if frame in anchors else colours.SOLID
-        label(picture, str(frame), (frame + 1) * _CELL + 16, 30, _SIZE, colour)
-        label(picture, str(frame), 16, (frame + 1) * _CELL + 30, _SIZE, colour)
-    label(picture, "from", 2, _CELL + 4, 0.55, colours.SOLID)
-    label(picture, "to", _CELL - 12, 16, 0.55, colours.SOLID)
+        label(picture, str(frame), (frame + 1) * CELL + 16, 30, SIZE, colour)
+        label(picture, str(frame), 16, (frame + 1) * CELL + 30, SIZE, colour)
+    label(picture, "from", 2, CELL + 4, 0.55, colours.SOLID)
+    label(picture, "to", CELL - 12, 16, 0.55, colours.SOLID)
     return picture
 
 
@@ -94,11 +90,11 @@ def _frames(name: str, frames: Sequence[int], total: int) -> list[int]:
     return integers(name, frames, ("A",), least=0, most=total - 1).tolist()
 
 
-def follower_machine(width: float = 9.0) -> Picture:
+def follower_machine() -> Picture:
     """The follower's states and transitions (Meng 2020, III-H)."""
     from matplotlib.patches import FancyArrowPatch
 
-    figure, (axis,) = chart(width, 3.4)
+    figure, (axis,) = chart(9.0, 3.4)
     axis.set(xlim=(0, 1), ylim=(0, 1))
     axis.axis("off")
     boxes = {}

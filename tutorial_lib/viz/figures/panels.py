@@ -15,6 +15,9 @@ from tutorial_lib.viz.canvas.plan_view import Picture
 
 TITLE = 30
 """Pixels of a title's height; it stays readable at half the size."""
+STRIP = 960
+"""Pixels of the width of a film's strip."""
+_GAP = 8  # white pixels between its frames
 
 
 def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = False) -> Picture:
@@ -79,11 +82,7 @@ def evenly(total: int, count: int) -> NDArray[np.intp]:
 
 
 def film_strip(
-    frames: Sequence[Picture],
-    times: ArrayLike | None = None,
-    count: int = 4,
-    width: int = 960,
-    gap: int = 8,
+    frames: Sequence[Picture], times: ArrayLike | None = None, count: int = 4
 ) -> Picture:
     """A film as `count` frames from first to last, side by side, with their times under them.
 
@@ -91,8 +90,8 @@ def film_strip(
         frames: (H, W, 3) uint8 each, of one size.
         times: (N,) seconds of the frames, written under them if given.
         count: frames to show; fewer if the film is shorter.
-        width: pixels of the whole strip; frames are scaled down to fit, never up.
-        gap: white pixels between neighbours.
+
+    Frames are scaled down to fit into `STRIP`, never up.
 
     Raises:
         InputError: when there are no frames, or not as many times.
@@ -104,15 +103,14 @@ def film_strip(
         if len(times) != len(frames):
             raise InputError(f"times: {len(times)}, frames: {len(frames)}; give as many, or none")
     pictures = [picture_of(f"frames[{i}]", frames[i]) for i in chosen.tolist()]
-    width, gap = pixels_of("width", width), pixels_of("gap", gap, least=0)
     high, wide = pictures[0].shape[:2]
-    scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))
+    scale = min(1.0, (STRIP - _GAP * (len(chosen) - 1)) / (len(chosen) * wide))
     size = (max(1, int(wide * scale)), max(1, int(high * scale)))
     pictures = [resized(picture, size, cv2.INTER_AREA) for picture in pictures]
     if times is not None:
         under = [line_of_text(f"{times[i]:.1f} s", size[0]) for i in chosen]
         pictures = [np.concatenate(pair) for pair in zip(pictures, under, strict=True)]
-    return side_by_side(pictures, gap=gap)
+    return side_by_side(pictures, gap=_GAP)
 
 
 def _arranged(

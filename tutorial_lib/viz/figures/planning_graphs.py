@@ -76,10 +76,10 @@ def _beside(
     first: tuple[float, float], last: tuple[float, float], both: bool
 ) -> tuple[float, float]:
     """Where the RE of an edge is written."""
-    share, aside = (0.5, 0.11) if both else (0.5, 0.0)
+    aside = 0.11 if both else 0.0
     along = (last[0] - first[0], last[1] - first[1])
-    x = first[0] + share * along[0] - aside * along[1]
-    return x, first[1] + share * along[1] + aside * along[0]
+    x = first[0] + 0.5 * along[0] - aside * along[1]
+    return x, first[1] + 0.5 * along[1] + aside * along[0]
 
 
 def _tone(vertex: object, on: bool) -> tuple[int, int, int]:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import alike, flag, floats, instance, whole, with_methods
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import picture_of, pixels_of
+from tutorial_lib.viz.canvas.given import picture_of
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.canvas.probabilities import probability_colours
@@ -23,11 +23,10 @@ if TYPE_CHECKING:
 _Z = 1.96  # of a 95 % interval
 
 
-def probability_bar(low: str = "never", high: str = "always", width: int = 200) -> Picture:
-    """A legend: the colours over `width` pixels, between the words for 0 and 1."""
+def probability_bar(low: str = "never", high: str = "always") -> Picture:
+    """A legend: the colours between the words for 0 and 1."""
     low, high = instance("low", low, str), instance("high", high, str)
-    width = pixels_of("width", width)
-    colourful = np.broadcast_to(probability_colours(np.linspace(0, 1, width)), (16, width, 3))
+    colourful = np.tile(probability_colours(np.linspace(0, 1, 200)), (16, 1, 1))
     words = []
     for word in (low, high):
         words.append(np.full((22, 11 * len(word), 3), colours.PAPER, np.uint8))
