@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tutorial_lib.experiments.demos.endings import drive_ending
+from tutorial_lib.experiments.demos.navigation_demo import drive_ending
 from tutorial_lib.experiments.protocols.navigation import Outcome
 from tutorial_lib.interfaces import Plan
 

@@ -14,12 +14,12 @@ from tutorial_lib.commands.demo import EXPLORED
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import explorers
 from tutorial_lib.experiments.demos import exploration_demo, exploration_film
-from tutorial_lib.experiments.demos.endings import exploration_ending
 from tutorial_lib.experiments.demos.ends import parse_end, room_names
 from tutorial_lib.experiments.demos.exploration_demo import (
     ExplorationRecorder,
     draw_episode,
     episode_between,
+    exploration_ending,
     explore_recorded,
     run_exploration_demo,
 )

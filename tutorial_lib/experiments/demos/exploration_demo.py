@@ -13,7 +13,6 @@ from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
-from tutorial_lib.experiments.demos.endings import exploration_ending
 from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.exploration_film import (
     SHARP,
@@ -147,6 +146,15 @@ class ExplorationRecorder:
             return lines
         drift, off = headings_off(self._task, self._agent)
         return (*lines, ("heading", f"odometry is off by {drift:.0f} degrees, it by {off:.0f}"))
+
+
+def exploration_ending(task: ExplorationTask) -> str:
+    """How the only episode of an exploration ended."""
+    gap = float(np.linalg.norm(task.poses[0, :2] - task.goal_poses[0, :2]))
+    if task.success[0]:
+        return f"reached the goal, {gap:.2f} m from it"
+    ended = "stopped" if task.steps[0] < STEPS else "no steps left,"
+    return f"{ended} {gap:.1f} m from the goal"
 
 
 def headings_off(task: ExplorationTask, agent: LifelongAgent) -> tuple[float, float]:

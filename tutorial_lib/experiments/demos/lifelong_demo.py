@@ -29,7 +29,6 @@ from tutorial_lib.experiments.protocols.navigation_tasks import Building, draw_t
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.maintenance import Maintenance
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.colours import PERSON
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.living_maps import draw_living_map
 from tutorial_lib.viz.canvas.plan_view import Picture
@@ -232,7 +231,7 @@ class _Life:
         others = draw_trials(office, self._total, np.random.default_rng(1))
         self._others = replace(others, seconds=others.seconds + _SPARE)
         self._vertices = image_poses(task.building, agent)
-        self._door = [Person([place], speed=0.0, colour=PERSON) for place in DOOR]
+        self._door = [Person([place], speed=0.0, colour=colours.PERSON) for place in DOOR]
         self._film = LifeFilm(task.building.scene, agent.upkeep, self._vertices, DOOR, len(stages))
 
     def announced(self, stage: Stage) -> str:

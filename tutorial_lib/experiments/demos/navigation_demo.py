@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.driving.rollouts import STUCK
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.own import guarded, load_robot
-from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.demos.ends import End
 from tutorial_lib.experiments.demos.forecast import DrivesForecast
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
@@ -33,6 +33,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
     vertex_poses,
 )
+from tutorial_lib.experiments.protocols.navigation import Outcome as TrialOutcome
 from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.interfaces import Navigation, Plan
 from tutorial_lib.learning.views import view_of
@@ -314,3 +315,29 @@ def drive(
     """Drive a task, and say how it went; the robot's plans are read when it is over."""
     found = navigate(task.building, task.trial, start, task.people, recorder, sensors)
     return recorder.finish(reached=bool(found.there[0]), ending=drive_ending(found, plans))
+
+
+def drive_ending(found: TrialOutcome, plans: Sequence[Plan] = ()) -> str:
+    """How the only drive of a navigation ended; when, is said beside it.
+
+    Args:
+        found: of one trial.
+        plans: of the robot, where it plans.
+    """
+    gap = float(found.gap[0])
+    off = f"{gap:.1f} m from the goal"
+    ending = str(found.ending[0])
+    if ending == "arrived" and found.there[0]:
+        return f"reached the goal, {gap:.2f} m from it"
+    if ending == "arrived":
+        belief = f", believing {plans[-1].probability:.1%}" if plans else ""
+        return f"stopped {off}{belief}"
+    if ending == "stuck":
+        return f"collided: touched something for {STUCK:.0f} s, {off}"
+    if ending == "late":
+        return f"out of time, {off}"
+    refusal = plans[-1].refusal if plans else ""
+    if refusal and len(plans) == 1:
+        return f"refused: {refusal}"
+    why = f": {refusal}" if refusal else ""
+    return f"gave up, {off}{why}"

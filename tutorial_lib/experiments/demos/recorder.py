@@ -80,7 +80,7 @@ class FilmRecorder:
         self._simulation = simulation
         self.track.append(simulation.poses[0, :2])
         if len(self.track) % EVERY == 1:
-            self._add(simulation)
+            self._keep(self._make_moment(simulation, np.array(self.track)))
 
     def finish(self, *, reached: bool, ending: str) -> Drive:
         """Add the last moment, which says how it ended and stays on screen for two seconds.
@@ -92,8 +92,7 @@ class FilmRecorder:
         self.track.append(simulation.poses[0, :2])
         last = replace(self._make_moment(simulation, np.array(self.track)), ending=ending)
         for _ in range(round(2 * FILM_RATE)):
-            self.moments.append(last)
-            self._watch(last)
+            self._keep(last)
         return Drive(
             reached=reached,
             ending=ending,
@@ -102,6 +101,6 @@ class FilmRecorder:
             driven=round(float(arc_length(self.track)[-1]), 2),
         )
 
-    def _add(self, simulation: Simulation) -> None:
-        self.moments.append(self._make_moment(simulation, np.array(self.track)))
-        self._watch(self.moments[-1])
+    def _keep(self, moment: Moment) -> None:
+        self.moments.append(moment)
+        self._watch(moment)

@@ -10,9 +10,9 @@ import numpy as np
 from tutorial_lib.agents.lifelong import LifelongAgent
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
-from tutorial_lib.experiments.demos.endings import exploration_ending
 from tutorial_lib.experiments.demos.exploration_demo import (
     ExplorationRecorder,
+    exploration_ending,
     explore_recorded,
     headings_off,
 )
