@@ -119,7 +119,8 @@ def test_the_card_is_kept_and_tells_size_and_hash(folder):
 def test_every_card_has_the_camera(folder):
     for file in FOLDER.glob("*.json"):
         card = load_card(file.stem)
-        camera = PanoramicCamera() if "nts" in card.name or "rgb" in card.name else Camera()
+        explores = "rgb" in card.name and card.name != "relative_rgb"
+        camera = PanoramicCamera() if "nts" in card.name or explores else Camera()
         assert card.camera == ({} if "laser" in card.name else said(camera)), card.name
 
 
@@ -377,7 +378,7 @@ def test_shipped_weights_fit_their_cards(name):
 
 
 ONE_BUSY_CORE = pytest.mark.xfail(strict=True, reason="trained on one busy core, not two idle ones")
-ON_ONE_BUSY_CORE = ("waypoint_k5", "reach_k2", "reach_k5")
+ON_ONE_BUSY_CORE = ("waypoint_k5", "reach_k2", "reach_k5", "relative_rgb")
 
 
 @pytest.mark.parametrize(
