@@ -689,7 +689,7 @@ table(head, rows)
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car can seldom drive back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: your map's steps were checked onward, hers in reverse, and one of hers is below 0.99. In a table of RE, the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is RE from the next anchor <i>to</i> the vertex: the reverse direction. A car can seldom drive back, so few vertices qualify, and the map is larger than it need be. The last column gives it away: your map's steps were checked onward, hers in reverse, and some of hers are below 0.99. In a table of RE, the row is always where the robot stands.
 # </details>
 #
 # ## 4 · What nobody showed it
@@ -945,7 +945,7 @@ display(swap)
 #
 # ## 6 · Your own rule
 #
-# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. Six starts with four ends elsewhere each make 24 paths. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. Section 3's rule keeps all 24, but adds wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you score 19. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
+# **An open task.** Write `my_rule`: which vertex, if any, stands in for an anchor? The score is **paths kept − 5 × wormholes**, on the office's map. A path counts if its probability is above one half. Six starts with four ends elsewhere each make 24 paths. In section 4, edges joined the drives. Here sequences cut most such edges, so without reuse most paths are lost. Section 3's rule keeps all 24, but adds wormholes. Keep all 24, and of the wormholes only the long step that a car drove, and you'd score 19: that's a bound, and the rules in the fold below stay well under it. There's more than one good answer; look at where `there` and `back` disagree. For each of the map's V vertices, you're given:
 #
 # | each is (V,) | |
 # |---|---|
@@ -1250,7 +1250,7 @@ show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: the two reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are at ends of drives.
+# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: most of them reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are at ends of drives.
 # </details>
 #
 # ## 10 · The cupboard moved

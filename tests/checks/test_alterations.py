@@ -45,6 +45,11 @@ def test_two_numbers_that_differ_look_different(mine, right):
     assert float(other) == pytest.approx(right, rel=1e-3)
 
 
+@pytest.mark.parametrize("number", [1 / 3, 0.1, np.inf, np.nan])
+def test_two_numbers_that_are_equal_need_no_more_digits(number):
+    assert both(number, number) == (f"{number:.4g}",) * 2
+
+
 def test_where_answers_differ_most_shows_that_they_do():
     assert farthest(WANT + np.eye(3)[1] / 10, WANT) == "0.8 at (1,), but 0.7 is right"
     assert farthest(WANT + np.eye(3)[1] * 1e-7, WANT) == "0.7000001 at (1,), but 0.7 is right"

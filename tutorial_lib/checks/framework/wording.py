@@ -16,15 +16,15 @@ def kind(value: Any) -> str:  # noqa: ANN401 - whatever students return
 def both(mine: float, right: float, digits: int = 4) -> tuple[str, str]:
     """Two numbers with as many digits as it takes to see that they differ.
 
-    >>> both(0.25, 0.75)
-    ('0.25', '0.75')
+    >>> both(0.25, 0.75), both(1 / 3, 1 / 3)
+    (('0.25', '0.75'), ('0.3333', '0.3333'))
     >>> both(0.481400012, 0.4814)
     ('0.48140001', '0.4814')
     """
-    for count in range(digits, 17):
+    for count in range(digits, 18):
         if f"{mine:.{count}g}" != f"{right:.{count}g}":
             return f"{mine:.{count}g}", f"{right:.{count}g}"
-    return repr(float(mine)), repr(float(right))
+    return f"{mine:.{digits}g}", f"{right:.{digits}g}"
 
 
 def times(count: int) -> str:

@@ -86,12 +86,12 @@ def film_strip(
 ) -> Picture:
     """A film as `count` frames from first to last, side by side, with their times under them.
 
+    Frames are scaled down to fit into `STRIP`, never up.
+
     Args:
         frames: (H, W, 3) uint8 each, of one size.
         times: (N,) seconds of the frames, written under them if given.
         count: frames to show; fewer if the film is shorter.
-
-    Frames are scaled down to fit into `STRIP`, never up.
 
     Raises:
         InputError: when there are no frames, or not as many times.
