@@ -32,6 +32,8 @@ def as_array(
         wanted = in_words(words, shape)
         given = quoted(value) if array.ndim == 0 else f"array of {array.dtype}"
         raise InputError(f"{name}: {given}; give {wanted}")
+    if isinstance(value, np.ma.MaskedArray):
+        raise InputError(f"{name}: an array with a mask; give {in_words(words, shape)}, filled")
     if not fits(array.shape, shape):
         raise InputError(f"{name}: shape {array.shape}; give {in_words(words, shape)}")
     if not (empty or array.size):

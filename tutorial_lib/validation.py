@@ -11,6 +11,7 @@ front: ``("N", 3)``, ``(..., 2)``.
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Collection, Iterable, Sized
 from os import PathLike
 from pathlib import Path
@@ -226,7 +227,7 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
     tutorial_lib.errors.InputError: rng: 3; give a Generator
     """
     if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOUaeiou" else "a"
+        article = "an" if re.match("[AEIOUaeiou]|[FHLMNRSX][A-Z]", kind.__name__) else "a"
         raise InputError(f"{name}: {quoted(value)}; give {article} {kind.__name__}")
     return value
 

@@ -133,7 +133,7 @@ def test_a_robot_that_is_done_is_left_alone(explored, memory, trials):
 
 
 def test_an_explorer_of_another_kind_is_refused(memory):
-    with pytest.raises(InputError, match=r"explorer: .* give a NTSAgent"):
+    with pytest.raises(InputError, match=r"explorer: .* give an NTSAgent"):
         ReturningAgent(memory, memory)
 
 

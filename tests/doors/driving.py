@@ -215,8 +215,10 @@ DOORS = {
         navigation=a(Straight()),
         limit=floats([5.0, 5.0], ("N",), least=0, takes="no axes, fewer axes, more axes"),
     ),
-    "NavigationEnds.check_fleet": lambda: call(
-        driving.NavigationEnds(Straight(), 5.0).check_fleet,
+    "NavigationEnds.check_start": lambda: call(
+        driving.NavigationEnds(Straight(), 5.0).check_start,
+        anything,
+        policy=Straight.act,
         count=whole(2, least=0),
     ),
     "NavigationEnds.after_step": lambda: call(

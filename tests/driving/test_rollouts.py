@@ -306,6 +306,57 @@ def test_a_navigation_is_of_as_many_robots_as_the_simulation(box):
 
 
 @pytest.mark.parametrize("name", ["arrived", "given_up"])
+def test_a_navigation_that_is_over_does_not_begin_again(box, name):
+    navigation = Declares([3, 3], [3, 3], [0, 0])
+    getattr(navigation, name)[1] = True
+    simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    with pytest.raises(InputError, match=f"navigation: {name} before it begins; start a new one"):
+        rollout(simulation, navigation, NavigationEnds(navigation, 6.0))
+
+
+def test_the_navigation_that_is_watched_is_the_one_that_drives(box):
+    simulation = Simulation(box, [[2.0, 2.0, 0.0]])
+    drives, watched = Declares([3], [9], [0]), Declares([3], [9], [0])
+    with pytest.raises(InputError, match="policy: .* is another navigation than `ends` watches"):
+        rollout(simulation, drives, NavigationEnds(watched, 6.0))
+    assert np.array_equal(simulation.poses, [[2.0, 2.0, 0.0]])
+
+
+class Own:
+    """Ends after a step as it is told to."""
+
+    def __init__(self, endings):
+        self.endings = endings
+
+    def after_step(self, simulation, seconds, before):
+        return self.endings
+
+
+@pytest.mark.parametrize(
+    ("endings", "message"),
+    [
+        (None, "after_step: None; give a Mapping"),
+        ([("over", [True, True])], "after_step: .* give a Mapping"),
+        ({"": [True, True]}, "after_step: an ending ''; give it a name"),
+        ({3: [True, True]}, "after_step: an ending 3; give it a name"),
+        ({"over": None}, "after_step: over: None; give truth values"),
+        ({"over": [0.5, 1.0]}, "after_step: over: 0.5; give True or False"),
+        ({"over": [True]}, r"after_step: over: shape \(1,\); give truth values of shape \(2,\)"),
+    ],
+)
+def test_endings_are_names_with_truth_values_of_each_robot(box, endings, message):
+    simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    with pytest.raises(InputError, match=message):
+        rollout(simulation, OnlyActs(), Own(endings))
+
+
+def test_endings_may_have_long_names(box):
+    simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    names = {"came as far as the kitchen": [1, 0], "came as far as the kitchen door": [0, 1]}
+    assert rollout(simulation, OnlyActs(), Own(names)).ending.tolist() == list(names)
+
+
+@pytest.mark.parametrize("name", ["arrived", "given_up"])
 @pytest.mark.parametrize("value", [[False], ["no", "no"], None])
 def test_what_a_navigation_declares_are_truth_values_of_each_robot(box, name, value):
     simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])

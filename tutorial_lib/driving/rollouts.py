@@ -97,17 +97,18 @@ def rollout(
         record: is shown every step before it is made.
 
     Raises:
-        InputError: when the policy returns anything but finite (M, 2), or a navigation that ends
-            the rollouts has more or fewer robots.
+        InputError: when the policy returns anything but finite (M, 2), `ends` anything but names
+            with truth values (N,), or a navigation that ends the rollouts has more or fewer robots,
+            is over before it begins, or is not the one that drives.
     """
     count = len(instance("simulation", simulation, Simulation))
     with_methods("policy", policy, "act")
     if isinstance(ends, NavigationEnds):
-        ends.check_fleet(count)
+        ends.check_start(policy, count)
     with_methods("ends", ends, "after_step")
     if record is not None and not callable(record):
         raise InputError(f"record: {record!r}; give a function")
-    ending, over = np.full(count, "", dtype="U16"), np.zeros(count, dtype=bool)
+    ending, over = np.full(count, "", dtype=object), np.zeros(count, dtype=bool)
     seconds, poses = np.zeros(count), [simulation.poses]
     while not over.all():
         robots, actions = np.flatnonzero(~over), np.zeros((count, 2))
@@ -118,11 +119,14 @@ def rollout(
         simulation.step(actions)
         poses.append(simulation.poses)
         seconds[robots] += STEP
-        for name, ended in ends.after_step(simulation, seconds, poses[-2]).items():
-            ending[ended & ~over] = name
+        endings = instance("after_step", ends.after_step(simulation, seconds, poses[-2]), Mapping)
+        for name, ended in endings.items():
+            if not (isinstance(name, str) and name):
+                raise InputError(f"after_step: an ending {name!r}; give it a name")
+            ending[flags(f"after_step: {name}", ended, (count,)) & ~over] = name
         over = ending != ""
     collided = simulation.collided & (ending != "reached")
-    return Rollouts(ending, collided, seconds, np.stack(poses))
+    return Rollouts(ending.astype(str), collided, seconds, np.stack(poses))
 
 
 class ReachGoals:
@@ -196,17 +200,28 @@ class NavigationEnds:
         self._limit = floats("limit", limit, least=0.0)
         self._touched = np.zeros(())
 
-    def check_fleet(self, count: int) -> None:
-        """Refuse a navigation of more or fewer robots than the `count` that a simulation has.
+    def check_start(self, policy: Policy, count: int) -> None:
+        """Refuse a navigation that cannot drive the `count` robots of a simulation.
 
         Raises:
-            InputError: when it is one, or `count` is no whole number from 0 on.
+            InputError: when it is of more or fewer robots, when it is over for one, or when the
+                policy that drives is another navigation.
         """
         whole("count", count, least=0)
-        robots = np.size(self._navigation.arrived)
-        if np.ndim(self._navigation.arrived) and robots != count:
+        arrived = self._navigation.arrived
+        if np.ndim(arrived) and np.size(arrived) != count:
             raise InputError(
-                f"count of robots: {count} in the simulation, {robots} in the navigation"
+                f"count of robots: {count} in the simulation, {np.size(arrived)} in the navigation"
+            )
+        for name in ("arrived", "given_up"):
+            if np.any(getattr(self._navigation, name)):
+                raise InputError(
+                    f"navigation: {name} before it begins; start a new one for each rollout"
+                )
+        if hasattr(policy, "arrived") and policy is not self._navigation:
+            raise InputError(
+                f"policy: {quoted(policy)} is another navigation than `ends` watches; "
+                "give the same to both"
             )
 
     def after_step(

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.array_forms import as_array
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
@@ -39,23 +40,19 @@ def query(reachability: Reachability, observations: Observation, prepared: Any) 
     count = len(observations)
     if not count:
         return np.empty(0)
-    output = reachability.probability(observations, prepared)
-    try:
-        probabilities = np.asarray(output, dtype=float)
-    except (TypeError, ValueError, RuntimeError) as error:
-        raise InputError(
-            f"reachability: returned a {type(output).__name__}, no array of numbers; "
-            f"give ({count},)"
-        ) from error
-    if probabilities.shape != (count,):
-        raise InputError(
-            f"reachability: returned shape {probabilities.shape} for {count} pairs; "
-            f"give ({count},), one probability for each"
-        )
+    output = as_array(
+        "reachability",
+        reachability.probability(observations, prepared),
+        "biuf",
+        "probabilities",
+        (count,),
+        True,
+    )
+    probabilities = output.astype(float, copy=False)
     wrong = np.flatnonzero(~((probabilities >= 0.0) & (probabilities <= 1.0)))
     if wrong.size:
         raise InputError(
-            f"reachability: returned {probabilities[wrong[0]]:g} for pair {wrong[0]}; give "
+            f"reachability: {probabilities[wrong[0]]:g} for pair {wrong[0]}; give "
             "probabilities from 0 to 1, of a logit the sigmoid"
         )
     return probabilities

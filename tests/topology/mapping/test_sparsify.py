@@ -171,15 +171,17 @@ def test_bad_input_is_named(make, words):
 @pytest.mark.parametrize(
     ("returned", "words"),
     [
-        (np.array([0.5, np.nan, 0.5]), "returned nan for pair 1; give probabilities from 0 to 1"),
-        (np.array([0.5, 0.5, 3.2]), "returned 3.2 for pair 2; .* of a logit the sigmoid"),
-        (np.array([-0.1, 0.5, 0.5]), "returned -0.1 for pair 0"),
-        (np.array([0.5, 0.5]), r"returned shape \(2,\) for 3 pairs; give \(3,\)"),
-        (np.full((3, 1), 0.5), r"returned shape \(3, 1\) for 3 pairs"),
-        (0.5, r"returned shape \(\) for 3 pairs"),
-        (None, r"returned shape \(\) for 3 pairs|returned nan"),
-        ("likely", "returned a str, no array of numbers"),
-        ([[0.5], [0.5, 0.5], 0.5], "returned a list, no array of numbers"),
+        (np.array([0.5, np.nan, 0.5]), "nan for pair 1; give probabilities from 0 to 1"),
+        (np.array([0.5, 0.5, 3.2]), "3.2 for pair 2; .* of a logit the sigmoid"),
+        (np.array([-0.1, 0.5, 0.5]), "-0.1 for pair 0"),
+        (np.array([0.5, 0.5]), r"shape \(2,\); give probabilities of shape \(3,\)"),
+        (np.full((3, 1), 0.5), r"shape \(3, 1\); give probabilities of shape \(3,\)"),
+        (0.5, r"shape \(\); give probabilities of shape \(3,\)"),
+        (None, "None; give probabilities"),
+        ("likely", "'likely'; give probabilities"),
+        (np.full(3, 0.5 + 0.1j), "array of complex128; give probabilities"),
+        (np.ma.array([0.5] * 3, mask=[0, 1, 0]), "an array with a mask; give probabilities"),
+        ([[0.5], [0.5, 0.5], 0.5], "setting an array element .*; give probabilities"),
     ],
 )
 def test_what_is_no_probability_is_refused(returned, words):

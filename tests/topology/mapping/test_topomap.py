@@ -701,9 +701,9 @@ class Wrong(Streets):
 @pytest.mark.parametrize(
     ("reachability", "words"),
     [
-        (Wrong(returned=lambda p: p + 1), "reachability: returned .* probabilities from 0 to 1"),
-        (Wrong(returned=lambda p: p[:-1]), "reachability: returned shape"),
-        (Wrong(returned=lambda p: p * np.nan), "reachability: returned nan"),
+        (Wrong(returned=lambda p: p + 1), "reachability: .* probabilities from 0 to 1"),
+        (Wrong(returned=lambda p: p[:-1]), "reachability: shape"),
+        (Wrong(returned=lambda p: p * np.nan), "reachability: nan"),
         (
             Wrong(prepared=lambda x: np.concatenate([x, x])),
             "reachability: prepared 16 of 8 targets; give all",
