@@ -317,7 +317,7 @@ def test_a_navigation_that_is_over_does_not_begin_again(box, name):
 def test_the_navigation_that_is_watched_is_the_one_that_drives(box):
     simulation = Simulation(box, [[2.0, 2.0, 0.0]])
     drives, watched = Declares([3], [9], [0]), Declares([3], [9], [0])
-    with pytest.raises(InputError, match="policy: .* is another navigation than `ends` watches"):
+    with pytest.raises(InputError, match=r"policy: .* is another navigation than `ends` watches"):
         rollout(simulation, drives, NavigationEnds(watched, 6.0))
     assert np.array_equal(simulation.poses, [[2.0, 2.0, 0.0]])
 
