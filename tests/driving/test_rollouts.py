@@ -305,13 +305,21 @@ def test_a_navigation_is_of_as_many_robots_as_the_simulation(box):
             rollout(simulation, other, NavigationEnds(other, 6.0))
 
 
-@pytest.mark.parametrize("name", ["arrived", "given_up"])
-def test_a_navigation_that_is_over_does_not_begin_again(box, name):
-    navigation = Declares([3, 3], [3, 3], [0, 0])
-    getattr(navigation, name)[1] = True
+def test_a_navigation_that_has_arrived_does_not_begin_again(box):
+    navigation = Declares([3, 3], [np.inf, np.inf], [0, 0])
+    starts = [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]]
+    first = rollout(Simulation(box, starts), navigation, NavigationEnds(navigation, 6.0))
+    assert first.ending.tolist() == ["arrived", "arrived"]
+    with pytest.raises(InputError, match="navigation: arrived before it begins; start a new one"):
+        rollout(Simulation(box, starts), navigation, NavigationEnds(navigation, 6.0))
+
+
+def test_a_navigation_may_give_up_before_it_begins(box):
+    navigation = Declares([np.inf, np.inf], [0, 0], [0, 0])
+    navigation.given_up[:] = True
     simulation = Simulation(box, [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
-    with pytest.raises(InputError, match=f"navigation: {name} before it begins; start a new one"):
-        rollout(simulation, navigation, NavigationEnds(navigation, 6.0))
+    found = rollout(simulation, navigation, NavigationEnds(navigation, 6.0))
+    assert found.ending.tolist() == ["gave_up", "gave_up"]
 
 
 def test_the_navigation_that_is_watched_is_the_one_that_drives(box):

@@ -99,7 +99,7 @@ def rollout(
     Raises:
         InputError: when the policy returns anything but finite (M, 2), `ends` anything but names
             with truth values (N,), or a navigation that ends the rollouts has more or fewer robots,
-            is over before it begins, or is not the one that drives.
+            has arrived before it begins, or is not the one that drives.
     """
     count = len(instance("simulation", simulation, Simulation))
     with_methods("policy", policy, "act")
@@ -204,8 +204,8 @@ class NavigationEnds:
         """Refuse a navigation that cannot drive the `count` robots of a simulation.
 
         Raises:
-            InputError: when it is of more or fewer robots, when it is over for one, or when the
-                policy that drives is another navigation.
+            InputError: when it is of more or fewer robots, one has arrived already, or the policy
+                that drives is another navigation.
         """
         whole("count", count, least=0)
         arrived = self._navigation.arrived
@@ -213,11 +213,8 @@ class NavigationEnds:
             raise InputError(
                 f"count of robots: {count} in the simulation, {np.size(arrived)} in the navigation"
             )
-        for name in ("arrived", "given_up"):
-            if np.any(getattr(self._navigation, name)):
-                raise InputError(
-                    f"navigation: {name} before it begins; start a new one for each rollout"
-                )
+        if np.any(arrived):
+            raise InputError("navigation: arrived before it begins; start a new one each time")
         if hasattr(policy, "arrived") and policy is not self._navigation:
             raise InputError(
                 f"policy: {quoted(policy)} is another navigation than `ends` watches; "
