@@ -199,8 +199,8 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
         (["bench", "fleet", "--quick", "--json", "nowhere/x.json"], "existing folder"),
         (["train", "waypoint", "--k", "sptm"], "--k sptm; give one of 0, 2, 5, direct, laser"),
         (["train", "reachability", "--k", "direct"], "give one of 0, 2, 5, laser, sptm"),
-        (["experiment", "calibration", "--ablation", "rows"], "calibration has audit"),
-        (["experiment", "meng_table1", "--ablation", "audit"], "meng_table1 has encoder"),
+        (["experiment", "calibration", "--ablation", "smoothing"], "calibration has audit"),
+        (["experiment", "meng_table1", "--ablation", "audit"], "meng_table1 has smoothing"),
         (["experiment", "meng_fig7", "--ablation", "audit"], "meng_fig7 has none"),
         (
             ["experiment", "calibration", "--map", "small.json"],
