@@ -231,7 +231,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
         (["build", "--students", "--slides", "x"], "build: --students writes no slides; give"),
         (["build", "99_nothing"], "build: no solutions/99_nothing.py; there are 00_start_here"),
         (["experiment", "meng_table2", "--agent", "x.py"], "give FILE.py:CLASS"),
-        (["experiment", "meng_table2", "--ablation", "rows"], "meng_table2 has thresholds"),
+        (["experiment", "meng_table2", "--ablation", "smoothing"], "meng_table2 has thresholds"),
         (["bench", "raycast", "--worlds", "1:3"], "--worlds: raycast runs in no world"),
         (["bench", "fleet", "--worlds", "1:3"], "--worlds: fleet runs in a single one"),
         (["bench", "map", "--worlds", "1:3"], "--worlds: map runs in a single one"),
