@@ -44,8 +44,7 @@ def one_by_one(network, current, contexts):
     rows = []
     for own, context in zip(current, contexts, strict=True):
         encoder, x = network.encoder, network.context.bias
-        shown = [context.flatten(0, 1)] if network.stacked else context
-        for place, picture in enumerate(shown):
+        for place, picture in enumerate(context):
             kept = encoder.current(own[None]), encoder.target(picture[None])[:, None]
             x = x + network.context.weight[:, :, place] @ encoder.compare(*kept)[0, 0]
         rows.append(network.heads(functional.relu(network.hidden(functional.relu(x)))))
@@ -69,7 +68,7 @@ def test_what_is_kept_and_compared_is_what_plain_evaluation_gives(encoder, view)
     outputs, poses = network.compare(network.encode_current(current), kept)
     assert outputs.shape == (5, 6)
     assert poses.shape == (5, kept.shape[1], 4)
-    assert kept.shape[:2] == (5, 1 if network.stacked else 5)
+    assert kept.shape[:2] == (5, 5)
     torch.testing.assert_close(outputs, network(current, contexts), **CLOSE)
     torch.testing.assert_close(outputs, one_by_one(network, current, contexts), **CLOSE)
     assert outputs.std(dim=0).min() > 100 * CLOSE["atol"]  # pairs differ at all
@@ -125,7 +124,7 @@ def test_no_pairs_have_no_outputs(encoder, view):
     assert outputs.shape == network(current, contexts).shape == (0, 6)
 
 
-@pytest.mark.parametrize("encoder", ["matching", "pair", "separate"])
+@every_encoder
 @pytest.mark.parametrize("k", [1, 3])
 @torch.inference_mode()
 def test_a_context_of_another_length_is_refused(encoder, k):

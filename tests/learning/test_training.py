@@ -547,7 +547,7 @@ def test_a_checkpoint_of_another_training_is_refused(source, validation, checkpo
     if other == "seed":
         settings = replace(settings, seed=1)
     elif other == "architecture":
-        architecture = Architecture(1, "separate")
+        architecture = Architecture(1, "matching")
     elif other == "vary":
         source = replace(source, vary=False)
     else:

@@ -223,8 +223,6 @@ def test_a_truncated_file_is_named_even_if_the_card_agrees(folder, size):
         {"k": 2},
         {"k": 0},
         {"encoder": "matching"},
-        {"encoder": "separate"},
-        {"encoder": "stacked"},
         {"view": "camera64"},
         {"view": "laser"},
         {"outputs": "action"},

@@ -78,7 +78,7 @@ INSIDE = {
 APART = {
     f"tutorial_lib.experiments.{study}" for study in ("meng2020", "nts", "robustness", "benchmarks")
 }
-"""Each module is an experiment: it imports no other, only parts of itself (`table1_ablations`)."""
+"""Each module is an experiment: it imports no other, only parts of itself (`table1_smoothing`)."""
 
 
 def read_library():
@@ -267,8 +267,8 @@ def test_what_a_package_s_order_allows_is_let_through():
         "viz.canvas.plan": "from tutorial_lib.viz.canvas import colours",
         "viz.notebook.x": "from tutorial_lib.viz.canvas import PlanView",
         "experiments.registry": "from tutorial_lib.experiments.meng2020 import table1",
-        "experiments.meng2020.table1": "from .table1_ablations import y",
-        "experiments.meng2020.table1_ablations": "from tutorial_lib.experiments.common import x",
+        "experiments.meng2020.table1": "from .table1_smoothing import y",
+        "experiments.meng2020.table1_smoothing": "from tutorial_lib.experiments.common import x",
         "experiments.robustness.x": "from tutorial_lib.experiments.protocols.y import z",
         "experiments.demos.one": "from tutorial_lib.experiments.demos.two import y",
         "checks.nb02.x": "from tutorial_lib.checks.framework import check",

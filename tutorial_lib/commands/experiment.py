@@ -32,9 +32,6 @@ from tutorial_lib.world.generators import FAMILIES
 from tutorial_lib.world.generators.palette import PALETTES
 
 ABLATIONS = {
-    "encoder": "four ways to compare two images, each trained anew",
-    "worlds": "C trained in 4, 12 and 48 worlds",
-    "rows": "images of 16 and of 64 rows",
     "smoothing": "C with and without the mean of its last waypoints",
     "thresholds": "thresholds of RE and of SPTM's similarity, for what --drives says",
     "goal_images": "thresholds of a goal, shown as one image and as a clip",

@@ -80,7 +80,7 @@ class PairEncoder(nn.Module):
         _, other, difference = self.stacked.weight.chunk(3, dim=1)
         return self._first(images, other - difference, None)
 
-    def compare(self: "PairEncoder | StackedEncoder", current: Tensor, targets: Tensor) -> Tensor:
+    def compare(self, current: Tensor, targets: Tensor) -> Tensor:
         """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
         tensor("current", current, ("N", *self.shape))
         tensor("targets", targets, (len(current), "P", *self.shape))
@@ -161,49 +161,3 @@ class MatchingEncoder(nn.Module):
         """Directions (N, 32, match) to match by, and features (N, 32, mixed) of the columns."""
         x = self.mix(self.rows(images).relu_())[:, :, 0].transpose(1, 2)
         return functional.normalize(self.match(x), dim=-1), x
-
-
-class SeparateEncoder(nn.Module):
-    """An ablation: either image becomes a feature vector alone, and only those are compared."""
-
-    def __init__(self, channels: int, rows: int) -> None:
-        super().__init__()
-        self.shape = (FEATURES,)
-        self.rows = rows_away(channels, rows, _FIRST)
-        self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
-        self.narrow = Narrowing(_WIDTH)
-        self.both = nn.Linear(2 * FEATURES, FEATURES)
-
-    def current(self, images: Tensor) -> Tensor:
-        """(N, C, H, 64) to (N, FEATURES)."""
-        x = self.mix(self.rows(images).relu_()).relu_()
-        return self.narrow(x[:, :, 0].transpose(1, 2))
-
-    target = current
-
-    def compare(self, current: Tensor, targets: Tensor) -> Tensor:
-        """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
-        both = torch.cat([current[:, None].expand_as(targets), targets], dim=-1)
-        return self.both(both).relu_()
-
-
-class StackedEncoder(nn.Module):
-    """An ablation: the current image and all of the target's in one stack of channels."""
-
-    def __init__(self, channels: int, rows: int, images: int) -> None:
-        super().__init__()
-        self.shape = PairEncoder.shape
-        self.first = rows_away(channels, rows, _FIRST)
-        self.others = rows_away(images * channels, rows, _FIRST, bias=False)
-        self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
-        self.narrow = Narrowing(_WIDTH)
-
-    def current(self, images: Tensor) -> Tensor:
-        """(N, C, H, 64) to (N, 48, 1, 32)."""
-        return self.first(images)
-
-    def target(self, images: Tensor) -> Tensor:
-        """(N, P * C, H, 64) to (N, 48, 1, 32)."""
-        return self.others(images)
-
-    compare = PairEncoder.compare

@@ -87,9 +87,6 @@ class _Estimator:
                 f"contexts of the prepared targets: {contexts.shape}; this network has k = "
                 f"{self.architecture.k}: give (M, {wanted}, H, W, C), each target with its context"
             )
-        if self.network.stacked:
-            encoded = self.network.encode_targets(self.view.numbers(contexts))
-            return EncodedTargets(encoded, self.network)
         # Neighbours on a trajectory have most images in common: each is encoded once.
         images = contexts.reshape(-1, *contexts.shape[2:])
         number: dict[bytes, int] = {}

@@ -7,18 +7,12 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning.encoders import (
-    FEATURES,
-    MatchingEncoder,
-    PairEncoder,
-    SeparateEncoder,
-    StackedEncoder,
-)
+from tutorial_lib.learning.encoders import FEATURES, MatchingEncoder, PairEncoder
 from tutorial_lib.learning.tensors import tensor
 from tutorial_lib.learning.views import View, view_named
 from tutorial_lib.validation import instance
 
-ENCODERS = ("matching", "pair", "separate", "stacked")
+ENCODERS = {"matching": MatchingEncoder, "pair": PairEncoder}
 OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3, "relative": 5}
 """Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; the
 logit of reachability, and two overlaps; or LTVN's model: the logit, x, y, cosine and sine of the
@@ -42,7 +36,7 @@ class Architecture:
     outputs: str = "waypoint"
 
     def __post_init__(self) -> None:
-        known = {"encoder": ENCODERS, "outputs": tuple(OUTPUTS)}
+        known = {"encoder": tuple(ENCODERS), "outputs": tuple(OUTPUTS)}
         for name, choices in known.items():
             value = getattr(self, name)
             if not isinstance(value, str) or value not in choices:
@@ -73,15 +67,8 @@ class LocalNetwork(nn.Module):
         self.architecture = instance("architecture", architecture, Architecture)
         self._size = architecture.looks_at.size
         channels, rows, _ = self._size
-        self.encoder: StackedEncoder | MatchingEncoder | PairEncoder | SeparateEncoder
-        if architecture.encoder == "stacked":
-            self.encoder = StackedEncoder(channels, rows, architecture.images)
-        else:
-            kinds = {"matching": MatchingEncoder, "pair": PairEncoder, "separate": SeparateEncoder}
-            self.encoder = kinds[architecture.encoder](channels, rows)
-        self.stacked = architecture.encoder == "stacked"
-        compared = 1 if self.stacked else architecture.images
-        self.context = nn.Conv1d(FEATURES, 128, compared)
+        self.encoder = ENCODERS[architecture.encoder](channels, rows)
+        self.context = nn.Conv1d(FEATURES, 128, architecture.images)
         self.hidden = nn.Linear(128, 64)
         self.heads = nn.Linear(64, OUTPUTS[architecture.outputs])
         self.pose = nn.Linear(FEATURES, 4)
@@ -94,10 +81,7 @@ class LocalNetwork(nn.Module):
 
     def encode_targets(self, contexts: Tensor) -> Tensor:
         """Encode targets (M, 2k+1, C, H, W), such as anchors: (M, 2k+1, ...)."""
-        count = self.architecture.images if self.stacked else "P"
-        tensor("contexts", contexts, ("M", count, *self._size))
-        if self.stacked:
-            return self.encoder.target(contexts.flatten(1, 2))[:, None]
+        tensor("contexts", contexts, ("M", "P", *self._size))
         encoded = self.encoder.target(contexts.flatten(0, 1))
         return encoded.unflatten(0, contexts.shape[:2])
 
@@ -138,8 +122,6 @@ class LocalNetwork(nn.Module):
         """
         tensor("current", current, ("N", *self._size))
         tensor("contexts", contexts, (len(current), self.architecture.images, *self._size))
-        if self.stacked:
-            return self.compare(self.encode_current(current), self.encode_targets(contexts))[0]
         pairs = contexts.shape[:2]
         repeated = current[:, None].expand(*pairs, -1, -1, -1).flatten(0, 1)
         features = self.encoder.compare(

@@ -196,12 +196,6 @@ def worlds_of(recipe: Recipe) -> tuple[list[str], list[str]]:
     return training, [validation_world(first + i) for i in range(recipe.validation_worlds)]
 
 
-def record_for(recipe: Recipe, work: Path) -> list[Path]:
-    """Record the demonstrations that a training needs, where they are missing."""
-    training, unseen = worlds_of(recipe)
-    return record_demonstrations([*training, *unseen], recipe.cars, SEED, work / "demonstrations")
-
-
 def recorded_worlds_of(worlds: Sequence[str], cars: int, work: Path) -> list[RecordedWorld]:
     """Demonstrations in `worlds`, recorded where they are missing."""
     paths = record_demonstrations(worlds, cars, SEED, work / "demonstrations")

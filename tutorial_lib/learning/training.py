@@ -306,8 +306,7 @@ def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
     outputs, poses = outputs_of(network, batch)
     kind = network.architecture.outputs
     loss = LOSSES[kind](outputs, batch)
-    if not network.stacked:
-        loss = loss + CONTEXT_WEIGHT[kind] * batch.tensor("placed") * context_loss(poses, batch)
+    loss = loss + CONTEXT_WEIGHT[kind] * batch.tensor("placed") * context_loss(poses, batch)
     weight = batch.tensor("weight")
     return (loss * weight).sum() / weight.sum().clamp(min=1.0)
 

@@ -155,9 +155,6 @@ def test_commands_and_their_ablations_are_those_of_the_design():
     ltvn |= {"ltvn_finetune", "ltvn_size"}
     assert set(EXPERIMENTS) == figures | tables | nts | ltvn | {"race"}
     assert set(ABLATIONS) == {
-        "meng_table1 encoder",
-        "meng_table1 worlds",
-        "meng_table1 rows",
         "meng_table1 smoothing",
         "meng_table2 goal_images",
         "meng_table2 thresholds",

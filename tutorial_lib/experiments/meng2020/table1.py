@@ -19,7 +19,7 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.own import CUSTOM, load_own, or_fault
 from tutorial_lib.experiments.common.report import Fault, Finding, Notes, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
-from tutorial_lib.experiments.meng2020 import table1_ablations, table1_smoothing
+from tutorial_lib.experiments.meng2020 import table1_smoothing
 from tutorial_lib.experiments.protocols.local_control import (
     WORLDS,
     attempt,
@@ -220,5 +220,5 @@ EXPERIMENT = Experiment(
     quick_settings=Settings(episodes=40, map_episodes=40),
     canary=Settings(episodes=3, map_episodes=3),
     accepts=frozenset({"map", "family", "agent"}),
-    ablations={**table1_ablations.EXPERIMENTS, "smoothing": table1_smoothing.EXPERIMENT},
+    ablations={"smoothing": table1_smoothing.EXPERIMENT},
 )

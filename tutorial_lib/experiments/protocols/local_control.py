@@ -20,7 +20,7 @@ from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.simulation import STEP, Simulation
 from tutorial_lib.world.visibility import mutual_overlap
 from tutorial_lib.world.worlds import local_world, scene_of
 
@@ -50,7 +50,7 @@ class Condition:
     noise: float = 0.0
     seed: tuple[int, int] = (0, 0)
 
-    def run(self, make_policy: PolicyFactory, sensors: Sensors | None = None) -> Rollouts:
+    def run(self, make_policy: PolicyFactory) -> Rollouts:
         """Roll out all episodes at once."""
         episodes = self.episodes
         simulation = Simulation(
@@ -59,7 +59,6 @@ class Condition:
             people=self.people,
             control_noise=self.noise,
             odometry_noise=Odometry(seed=self.seed).noise(NAVIGATING),
-            sensors=sensors,
             rng=np.random.default_rng(self.seed),
         )
         policy = make_policy(simulation, episodes.recorded, episodes.targets)
@@ -127,9 +126,7 @@ def _explored(
     return RecordedWorld(scene, trajectories), GridPaths(scene.clearance), rng
 
 
-def attempt(
-    condition: Condition, make_policy: PolicyFactory, sensors: Sensors | None = None
-) -> dict[str, Array]:
+def attempt(condition: Condition, make_policy: PolicyFactory) -> dict[str, Array]:
     """Run one policy under one condition; each value is (N,).
 
     Outcomes: reached, collided, and matched (see `Condition.matched`). Difficulty: metres ahead
@@ -137,7 +134,7 @@ def attempt(
     the smaller clearance of the two in metres.
     """
     episodes = condition.episodes
-    rollouts = condition.run(make_policy, sensors)
+    rollouts = condition.run(make_policy)
     scene, starts, goals = episodes.recorded.scene, episodes.starts, episodes.goals
     seen = to_local(starts, goals[:, :2])
     room = np.stack([scene.clearance.at(poses[:, :2]) for poses in (starts, goals)])

@@ -26,7 +26,9 @@ from tutorial_lib.experiments.provenance import CHANGED, NETWORK, standing_of
 from tutorial_lib.experiments.results_page import markdown, paper, tables
 from tutorial_lib.experiments.results_page.library import LIBRARY
 from tutorial_lib.experiments.results_page.sources import (
+    GONE,
     MAPS,
+    RETIRED,
     Results,
     command_of,
     goal_words,
@@ -103,7 +105,7 @@ def render_chapter(
     """A chapter, and its sections: all, or `only` that of this title.
 
     The module of its tables has the name of its template. A section shows the commands of its
-    sources, if it has any, below its first paragraph.
+    sources, if it has any, below its first paragraph, and names those that are retired.
 
     Raises:
         InputError: naming the reports that a section read, if one lacks a row, a column or a note.
@@ -153,12 +155,15 @@ def paragraphs(text: str) -> list[str]:
 
 
 def _commands(results: Results, names: tuple[str, ...]) -> list[str]:
-    """One block of the commands; none without a command."""
+    """One block of the commands, none without a command; and which reports have none any more."""
     lines = [
         f"{command_of(name)}   # {duration(report.seconds)}{mark_of(report)}"
         for name, report in ((name, results.reports[name]) for name in names)
+        if name not in RETIRED
     ]
-    return ["\n".join(["```sh", *lines, "```"])] if lines else []
+    block = ["\n".join(["```sh", *lines, "```"])] if lines else []
+    gone = ", ".join(f"`{name}.json`" for name in names if name in RETIRED)
+    return [*block, f"{GONE} ({gone})."] if gone else block
 
 
 def mark_of(report: Report) -> str:
