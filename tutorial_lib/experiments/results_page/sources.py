@@ -103,7 +103,7 @@ RETIRED = (
     *("ablation_encoder", "ablation_worlds", "ablation_rows"),
 )
 """Reports on what was tried and not kept: their code is gone, their sentences or tables stay."""
-GONE = "Measured with version 0.3 of the library; the commands of today do not measure it again"
+GONE = "Measured with an earlier library; no command of today measures it again"
 """What a section says of those it shows, beside their names."""
 COMMANDS = EXPERIMENTS | {name: f"bench {name}" for name in BENCHMARKS}
 """The same, with those whose numbers are a machine's speed."""
