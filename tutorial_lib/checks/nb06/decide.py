@@ -209,7 +209,6 @@ check_decide = exercise(
     decide,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds.",
     example=case(random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES),
     calls=10,  # as for most_probable_path, which it calls

@@ -230,7 +230,6 @@ check_join_ends = exercise(
     join_ends,
     CASES,
     MISTAKES,
-    module=__name__,
     about="One goal image and several, thresholds, a goal in sight, vertices that are not there.",
     example=case(random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9),
     invoke=partial(

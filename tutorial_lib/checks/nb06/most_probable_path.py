@@ -323,7 +323,6 @@ check_most_probable_path = exercise(
     most_probable_path,
     CASES,
     MISTAKES,
-    module=__name__,
     about="The graph done by hand, chains, cycles, larger graphs, goals that cannot be reached.",
     example=case(random_graph(80, 4, 3), 0, 79),
     others=OTHERS,

@@ -312,7 +312,6 @@ check_navigate = exercise(
     navigate,
     {name: case(story) for name, story in STORIES.items()},
     MISTAKES,
-    module=__name__,
     about="Robots that arrive, search, refuse, are lost here and there, and run out of time.",
     example=case(_EXAMPLE, _LINE, DijkstraPlanner(), Limits()),
     calls=10,

@@ -186,7 +186,6 @@ check_tally = exercise(
     tally,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Trips that arrived, that were lost at the start, under way and at the end, and none.",
     example=case([([HERE, *range(200), GOAL], 150)] * 20),
     invoke=partial(untouched, names=["trips"], hints=_HINTS),

@@ -248,7 +248,6 @@ check_travel = exercise(
     travel,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Navigations: to the goal at once, after being lost, refused, and in vain.",
     example=case(lambda excluded: [HERE, 1, GOAL], lambda path: None, 3),
     run=_play,

@@ -210,7 +210,6 @@ check_around_cycles = exercise(
     around_cycles,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Cycles, straight paths, and long stays at a vertex.",
     example=case(_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5),
     invoke=_invoke,

@@ -137,7 +137,6 @@ check_match_sequence = exercise(
     match_sequence,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Two views and more, two trajectories, vertices in no order.",
     example=case(_looks(4, 60, 7), np.arange(60) - 1),
     calls=300,

@@ -141,7 +141,6 @@ check_predict = exercise(
     predict,
     CASES,
     MISTAKES,
-    module=__name__,
     about="One robot and several, near and far, at rest and not.",
     example=_case(4, 60, 6, 1.0),
     calls=300,

@@ -112,7 +112,6 @@ check_update = exercise(
     update,
     CASES,
     MISTAKES,
-    module=__name__,
     about="One robot and several, a flat likelihood, and robots for which nothing is possible.",
     example=_case(4, 60, 6),
     calls=300,

@@ -174,7 +174,6 @@ check_build_map = exercise(
     build_map,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Images in a row, too close, too far, one-way, in several orders, and at random.",
     example=_random(7),
     calls=20,

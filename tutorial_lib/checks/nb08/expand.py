@@ -92,7 +92,6 @@ check_expand = exercise(
     expand,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Two parts of a map, and images that join them, or do not.",
     example=CASES["two images in a row"],
     calls=20,

@@ -59,7 +59,6 @@ check_length = exercise(
     length,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Waypoints straight ahead, along arcs, behind, and turns in place.",
     example=case(_SOME),
     invoke=calling({TypeError: "waypoints are an array (..., 3); [..., 2] is the turn"}),

@@ -238,7 +238,6 @@ check_live = exercise(
     live,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Queries in small buildings, with doors that close and a wormhole.",
     example=(nx.path_graph(3, create_using=nx.DiGraph), [], lambda *_: True, lambda p, _: p, PRUNE),
     calls=10,

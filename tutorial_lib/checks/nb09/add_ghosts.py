@@ -186,7 +186,6 @@ check_add_ghosts = exercise(
     add_ghosts,
     CASES,
     MISTAKES,
-    module=__name__,
     about="First nodes and later ones, ahead, behind and aside, with several beside them.",
     example=_random(3),
     calls=300,

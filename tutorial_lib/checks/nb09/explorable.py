@@ -155,7 +155,6 @@ check_explorable = exercise(
     explorable,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Open places, walls, doors, detours, and another radius.",
     example=_walled(*_ROOM),
     calls=300,

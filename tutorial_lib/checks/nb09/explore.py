@@ -228,7 +228,6 @@ check_explore = exercise(
     explore,
     {name: case(building) for name, building in BUILDINGS.items()},
     MISTAKES,
-    module=__name__,
     about="Corridors, dead ends, loops, mistakes, ghosts out of reach, and too few steps.",
     example=case(PlacesRobot(BUILDINGS["a loop"])),
     others=OTHERS,

@@ -257,7 +257,6 @@ check_global_policy = exercise(
     global_policy,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Goals and ghosts near and far, none of either, and costs of travelling.",
     example=_random(4),
     calls=300,

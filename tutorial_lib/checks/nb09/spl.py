@@ -109,7 +109,6 @@ check_spl = exercise(
     spl,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Episodes with and without success, detours, and stops before the path's end.",
     example=_random(5),
     invoke=calling(

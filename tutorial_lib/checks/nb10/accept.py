@@ -213,7 +213,6 @@ check_accept = exercise(
     accept,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Rooms, corridors, other rooms, and matches that odometry contradicts.",
     example=_ROOM,
     calls=1_500,

@@ -108,7 +108,6 @@ check_correct = exercise(
     correct,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Robots at a node and beside it, with places and headings that are off.",
     example=_random(1),
     calls=1_500,

@@ -159,7 +159,6 @@ check_match = exercise(
     match,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Rooms, a corridor with doors, and guesses that are up to half a metre off.",
     example=_random(5),
     calls=1_500,
