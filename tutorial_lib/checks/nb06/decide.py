@@ -1,7 +1,5 @@
 """The check of starting or refusing, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any

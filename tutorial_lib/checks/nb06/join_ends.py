@@ -1,7 +1,5 @@
 """The check of the ends of a plan, in notebook 06."""
 
-from __future__ import annotations
-
 import math  # noqa: F401 - edits of the rule use it
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The check of the most probable path over a graph, in notebook 06."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The check of the navigator's loop, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import cycle

@@ -1,7 +1,5 @@
 """The check of counting which edges hold, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Calls that must leave their arguments alone, and whose errors are explained, in notebook 06."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

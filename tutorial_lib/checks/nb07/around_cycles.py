@@ -1,7 +1,5 @@
 """The check of cycle detection, in notebook 07."""
 
-from __future__ import annotations
-
 import copy
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """The check of the filter's loop over a recorded drive, in notebook 07."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The check of the filter's update, in notebook 07."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

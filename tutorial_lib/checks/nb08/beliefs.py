@@ -1,7 +1,5 @@
 """The checks of what a traversal says about an edge, in notebook 08."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The check of Algorithm 1, in notebook 08."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """The check of expansion from unused images, in notebook 08."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx

@@ -1,7 +1,5 @@
 """The check of the distance to a waypoint, in notebook 08."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The check of the query loop, in notebook 08."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from numbers import Real

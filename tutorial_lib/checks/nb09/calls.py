@@ -1,7 +1,5 @@
 """Calls that must leave sets, dictionaries and graphs alone, for the checks of notebook 09."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """The check of explorable directions, in notebook 09."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """The check of the exploration loop, in notebook 09."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

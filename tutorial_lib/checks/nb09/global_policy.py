@@ -1,7 +1,5 @@
 """The check of the global policy, in notebook 09."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx

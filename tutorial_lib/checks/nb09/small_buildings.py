@@ -1,7 +1,5 @@
 """Small buildings of places and links, for the check of the exploration loop in notebook 09."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import partial
 

@@ -4,8 +4,6 @@ It looks another way after every drive: what it sees at a node that it comes bac
 the directions of that node.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Collection
 from typing import Any

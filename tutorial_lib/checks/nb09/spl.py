@@ -1,7 +1,5 @@
 """The check of success weighted by path length, in notebook 09."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The check of which matches are believed, in notebook 10: judged by what is let through."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

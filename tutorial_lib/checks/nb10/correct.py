@@ -1,7 +1,5 @@
 """The check of the correction that follows from a match, in notebook 10."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.checks.engine import calling, exercise, numbers

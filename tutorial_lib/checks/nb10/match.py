@@ -1,7 +1,5 @@
 """The check of matching two scans, in notebook 10: judged by the pose that is found."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
