@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
+from tutorial_lib.checks.nb06.forms import explaining, number, vertices
 from tutorial_lib.checks.nb06.graphs import BY_HAND, Graph, Vertex, random_graph
-from tutorial_lib.checks.nb06.untouched import explaining, number, vertices
 from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 

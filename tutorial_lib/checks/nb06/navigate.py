@@ -9,9 +9,9 @@ from typing import Any
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
 from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb06.decide import Decision, decide
+from tutorial_lib.checks.nb06.forms import explaining, number
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
-from tutorial_lib.checks.nb06.untouched import explaining, number
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 ENDINGS = ("arrived", "refused", "gave up", "late")

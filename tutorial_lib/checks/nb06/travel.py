@@ -8,8 +8,8 @@ import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind, parts
 from tutorial_lib.checks.framework.wording import times
+from tutorial_lib.checks.nb06.forms import explaining
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
-from tutorial_lib.checks.nb06.untouched import explaining
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans around excluded vertices; returns no vertices when it refuses."""
