@@ -11,8 +11,7 @@ from tutorial_lib.checks.framework.explanation import Hints
 from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
 from tutorial_lib.checks.nb09.global_policy import global_policy
-from tutorial_lib.checks.nb09.small_buildings import BUILDINGS, Building
-from tutorial_lib.checks.nb09.small_places import Ghost, PlacesRobot
+from tutorial_lib.checks.nb09.small_places import BUILDINGS, Building, Ghost, PlacesRobot
 
 Explored = tuple[bool, nx.Graph, set[Ghost]]
 """Whether the goal was reached, the graph, and the ghosts that are left."""
