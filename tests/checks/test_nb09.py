@@ -14,9 +14,8 @@ from tutorial_lib.checks.nb09 import (
     path_lengths,
 )
 from tutorial_lib.checks.nb09.explore import explore
-from tutorial_lib.checks.nb09.small_buildings import BUILDINGS
 from tutorial_lib.checks.nb09.small_maps import small_map
-from tutorial_lib.checks.nb09.small_places import PlacesRobot
+from tutorial_lib.checks.nb09.small_places import BUILDINGS, PlacesRobot
 from tutorial_lib.exploration.labels import explorable as labelled
 
 OUT_OF_REACH = (

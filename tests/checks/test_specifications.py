@@ -65,7 +65,6 @@ def specified(cases, **more):
         rule,
         cases,
         "add\n    x + 1 -> x - 1",
-        module="nb00",
         about="It adds.",
         example=(1,),
         **more,

@@ -1,7 +1,5 @@
 """A league table: scores of what a student designed, beside those to beat."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """What is done: exercises whose passed answer is saved in `my_answers`, and predictions made."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The name that a student gives the robot in notebook 00, kept beside the answers."""
 
-from __future__ import annotations
-
 from tutorial_lib.checks.framework import record
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import instance

@@ -1,5 +1,6 @@
 """From a rule, its cases and known mistakes to a check."""
 
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -26,7 +27,6 @@ def exercise(
     cases: Cases | Sequence[Topic] | Callable[[], Iterable[Cases]],
     mistakes: str = "",
     *,
-    module: str,
     about: str,
     example: tuple,
     run: Function | None = None,
@@ -38,13 +38,14 @@ def exercise(
 ) -> Check:
     """A check of the exercise that asks for `rule`.
 
+    The module that calls this one is the check's, and names the notebook.
+
     Args:
         rule: the right answer; the cells below use it where the student's is not there.
         cases: for each, what it is like and the arguments, for `compare`; or topics, each with
             words of its own, for `judge_topics`; or a function that gives groups of cases, each
             of which comes, and is made, once those before it are right.
         mistakes: see `mistakes_of`.
-        module: of the check; names the notebook.
         about: one line on what is checked.
         example: arguments to measure speed with.
         run: (function, *case) calls a function and returns what is judged, where that is more than
@@ -57,6 +58,7 @@ def exercise(
         **comparing: how answers are called, formed, compared and drawn, see `compare` and
             `judge_topics`.
     """
+    caller = sys._getframe(1).f_globals["__name__"]
     known = mistakes_of(rule, mistakes) | dict(others or {})
     right, faults = rule, known
     compared: Function = judge_topics if isinstance(cases, Sequence) else compare
@@ -75,7 +77,7 @@ def exercise(
                 compare(rule.__name__, student, **unknown, **{**comparing, **later})
             return picture
 
-    judge.__name__, judge.__doc__, judge.__module__ = f"check_{rule.__name__}", about, module
+    judge.__name__, judge.__doc__, judge.__module__ = f"check_{rule.__name__}", about, caller
     made = check(rule, example, calls=calls, endless=endless)(judge)
     made.mistakes = known
     return made

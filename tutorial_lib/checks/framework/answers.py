@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from inspect import Parameter, signature
 from typing import Any, SupportsFloat
 
@@ -155,6 +156,46 @@ def calling(
             raise WrongAnswer(f"{what}: {explained(error, hints, said)}") from error
 
     return invoke
+
+
+def keeping(
+    right: Callable[..., Any],
+    words: str,
+    invoke: Callable[[str, Callable[[], Any]], Any],
+    inner: Mapping[str, str] | None = None,
+    apart: str = "",
+) -> Callable[..., Any]:
+    """A way to call a student's function that demands that its arguments stay as they are.
+
+    Args:
+        right: the rule; its parameters name the arguments.
+        words: what to do instead of changing one.
+        invoke: calls the function, as `calling` does.
+        inner: by argument, what to say instead where a dictionary has its keys still.
+        apart: what to say of an answer that shares dictionaries with the first argument; nothing
+            if empty.
+    """
+    names = list(signature(right).parameters)
+
+    def keeps(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+        given = copy.deepcopy(arguments)
+        got = invoke(what, partial(student, *given))
+        for name, old, new in zip(names, arguments, given, strict=False):
+            if not unchanged(old, new):
+                within = inner[name] if inner and name in inner and old.keys() == new.keys() else ""
+                said = f"your function changes its argument {name}; {within or words}"
+                raise WrongAnswer(f"{what}: {said}")
+            if isinstance(new, set) and got is new:
+                raise WrongAnswer(
+                    f"{what}: what came back is your argument {name} itself; return a new set, "
+                    "also where nothing changes"
+                )
+        shared = apart and isinstance(got, dict) and {*map(id, got.values())}
+        if shared and not shared.isdisjoint(map(id, given[0].values())):
+            raise WrongAnswer(f"{what}: {apart}")
+        return returned(what, got)
+
+    return keeps
 
 
 def beside(run: Callable[..., Any]) -> Callable[..., Any]:

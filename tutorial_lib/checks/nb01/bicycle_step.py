@@ -172,7 +172,6 @@ def _same(got: Array, want: Array, pose: Array, *rest: float) -> bool:
 check_bicycle_step = exercise(
     bicycle_step,
     topics(TOPICS),
-    module=__name__,
     about="The kinematic bicycle: a straight step along the first heading, or the exact arc.",
     example=case(np.array([1.0, 2.0, 0.5]), 0.5, 0.2, 0.3, 0.02),
     others=mistakes_of(_straight, MISTAKES),

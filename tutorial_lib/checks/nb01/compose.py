@@ -108,7 +108,6 @@ check_compose = exercise(
     compose,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="A pose, and a second one in its frame.",
     example=case(np.array([1.0, 2.0, 0.5]), np.array([0.1, 0.0, 0.2])),
     form=lambda what, answer, *_: numbers(what, answer, (3,)),

@@ -233,7 +233,6 @@ check_ray_segment = exercise(
     ray_segment,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="A ray against one wall: hits, misses, ends, walls behind and parallel ones.",
     example=_ray(_AT, _AHEAD, [2.0, -1.0], [2.0, 1.0]),
     form=_form,

@@ -97,7 +97,6 @@ check_to_local = exercise(
     to_local,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="Points of the world in the robot's frame.",
     example=case(np.array([1.0, 2.0, 0.5]), np.ones((100, 2))),
     form=lambda what, answer, pose, points: numbers(what, answer, points.shape),

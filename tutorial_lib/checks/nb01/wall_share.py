@@ -181,7 +181,6 @@ check_wall_share = exercise(
     wall_share,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="Columns of an image, with exact shares.",
     example=case(2.0, 16),
     form=_form,

@@ -145,7 +145,6 @@ check_goal_policy = exercise(
     goal_policy,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="The pull to a goal, with damping, far and near, of one point and of many.",
     example=case(np.ones((100, 2)), np.zeros((100, 2)), 2.4, 3.0, 0.35),
     form=lambda what, got, offsets, *_: policies_of(what, got, offsets.shape, (*offsets.shape, 2)),

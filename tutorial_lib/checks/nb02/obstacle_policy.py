@@ -156,7 +156,6 @@ check_obstacle_policy = exercise(
     obstacle_policy,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="The push off an obstacle: near and far, closing and receding, and at contact.",
     example=case(np.linspace(0.05, 1, 100), np.zeros(100), 0.12, 0.12, 0.3, 0.08),
     form=lambda what, got, distances, *_: policies_of(what, got, distances.shape, distances.shape),

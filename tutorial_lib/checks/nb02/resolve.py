@@ -189,7 +189,6 @@ check_resolve = exercise(
     resolve,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="One policy, some that agree, some that do not, and one that leaves a direction free.",
     example=case([_GOAL, _WALL, _TURNED] * 10),
     invoke=_invoke,

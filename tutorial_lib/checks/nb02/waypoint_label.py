@@ -302,7 +302,6 @@ check_waypoint_label = exercise(
     waypoint_label,
     topics(TOPICS),
     MISTAKES,
-    module=__name__,
     about="Round a corner, past a post, out and back, targets ahead and behind, nothing in sight.",
     example=(np.zeros(3), _STRAIGHT, 0, 40, clear_sight(Raycaster([_FAR_WALL]))),
     form=_form,

@@ -184,7 +184,6 @@ check_fit_temperature = exercise(
     fit_temperature,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Overconfident and underconfident networks, soft labels, and both ends of the range.",
     example=_logits(2.5),
     calls=10,

@@ -151,7 +151,6 @@ check_reach_loss = exercise(
     reach_loss,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Hard and soft labels, weights, and logits whose exponential overflows.",
     example=case(np.linspace(-4, 4, 4000), np.linspace(0, 1, 4000), np.ones(4000)),
     later={"cases": SURE, "difference": _limited, "broken": lambda *_: ""},

@@ -280,7 +280,6 @@ check_rollout_labels = exercise(
     rollout_labels,
     CASES,
     MISTAKES,
-    module=__name__,
     about="In time and too late, past the target, along walls, exactly at limits, and 400 more.",
     example=case(np.arange(300.0), np.ones((300, 400)), np.zeros((300, 400), bool), np.ones(400)),
     invoke=calling(_HINTS),

@@ -179,7 +179,6 @@ check_choose_anchors = exercise(
     choose_anchors,
     CASES,
     MISTAKES,
-    module=__name__,
     about="The trajectory done by hand, ones where all or nothing can be reached, and longer ones.",
     example=case(_smooth(200, 3), 0.9),
     calls=50,

@@ -334,7 +334,6 @@ check_follow_step = exercise(
     follow_step,
     _drives,
     MISTAKES,
-    module=__name__,
     about="Seventeen drives along a corridor: left alone, blind, pushed, behind a chair, and lost.",
     example=_example(),
     calls=10_000,

@@ -142,7 +142,6 @@ check_frames_to_keep = exercise(
     frames_to_keep,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Contexts that lie apart, that share frames, that reach beyond the ends, and 20 at "
     "random.",
     example=case(np.arange(0, 400, 13), 400, 5),

@@ -172,7 +172,6 @@ check_move_on = exercise(
     move_on,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Under way, near, at an anchor, at both ends, exactly at thresholds, and 80 at random.",
     example=OBSERVATIONS["the next one reachable and near"],
     invoke=INVOKE,

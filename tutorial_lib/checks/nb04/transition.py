@@ -267,7 +267,6 @@ check_transition = exercise(
     transition,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Searching, following, dead reckoning, their ends, exact thresholds, and 90 at random.",
     example=CASES["Search, none reachable"],
     invoke=INVOKE,

@@ -97,7 +97,6 @@ check_ahead_of = exercise(
     ahead_of,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Maps of several trajectories: nothing reused yet, one vertex, several, and no order.",
     example=CASES["one of each trajectory"],
     invoke=calling(_HINTS),

@@ -143,7 +143,6 @@ check_ask_next = exercise(
     ask_next,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Tables of which little, nothing or everything is known, and vertices in no order.",
     example=case(_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6),
     invoke=calling({IndexError: "beyond an end of a trajectory there is nothing to query"}),

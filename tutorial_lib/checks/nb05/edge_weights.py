@@ -160,7 +160,6 @@ check_edge_weights = exercise(
     edge_weights,
     CASES,
     MISTAKES,
-    module=__name__,
     about="The map done by hand with other thresholds, RE almost 0, no edges at all, a larger one.",
     example=case(*_random_map(120, 2), 0.9),
     invoke=calling(),

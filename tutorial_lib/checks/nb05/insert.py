@@ -333,7 +333,6 @@ check_insert = exercise(
     insert,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Trajectories that pass the same places, part, stand still, turn back, or meet nothing.",
     example=_example(),
     others={

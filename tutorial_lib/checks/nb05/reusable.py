@@ -138,7 +138,6 @@ check_reusable = exercise(
     reusable,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Anchors for which vertices fit, fit by half, may not be taken, or do not exist.",
     example=CASES["two fit"],
     invoke=calling(_HINTS),

@@ -173,7 +173,6 @@ check_weakest_aligned = exercise(
     weakest_aligned,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Tables with longer and shorter sequences, several trajectories, vertices in no order.",
     example=case(random_reach(4, 6, 7), *TWO, 2),
     others={

@@ -1,18 +1,15 @@
 """The check of starting or refusing, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
+from tutorial_lib.checks.nb06.forms import number, untouched, vertices
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.join_ends import join_ends
 from tutorial_lib.checks.nb06.most_probable_path import Found, most_probable_path
-from tutorial_lib.checks.nb06.untouched import number, untouched, vertices
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 Decision = tuple[list[Vertex], float, str]
@@ -209,11 +206,10 @@ check_decide = exercise(
     decide,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds.",
     example=case(random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES),
     calls=10,  # as for most_probable_path, which it calls
-    invoke=partial(untouched, names=["graph", "from_here", "to_goals", "rules"]),
+    invoke=untouched(decide),
     form=_decision,
     difference=_unlike,
 )

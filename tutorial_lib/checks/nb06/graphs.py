@@ -1,7 +1,5 @@
 """Small graphs to plan on, for the checks of notebook 06."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

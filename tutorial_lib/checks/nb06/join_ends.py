@@ -1,17 +1,14 @@
 """The check of the ends of a plan, in notebook 06."""
 
-from __future__ import annotations
-
 import math  # noqa: F401 - edits of the rule use it
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind
+from tutorial_lib.checks.nb06.forms import number, untouched
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
-from tutorial_lib.checks.nb06.untouched import number, untouched
 
 
 def join_ends(
@@ -226,19 +223,17 @@ def _unlike(got: Graph, want: Graph, *case: Any) -> str:  # noqa: ANN401
 
 
 _NONE = "there may be no goal image: an empty list has no element, and max() of nothing fails"
+_SHARED = (
+    "the new graph shares inner dictionaries with the map; copy those of all vertices: who changes "
+    "the new graph must not change the map"
+)
 check_join_ends = exercise(
     join_ends,
     CASES,
     MISTAKES,
-    module=__name__,
     about="One goal image and several, thresholds, a goal in sight, vertices that are not there.",
     example=case(random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9),
-    invoke=partial(
-        untouched,
-        names=["graph", "from_here", "to_goals", "p_here", "p_goal"],
-        hints={IndexError: _NONE, ValueError: _NONE},
-        copies=True,
-    ),
+    invoke=untouched(join_ends, {IndexError: _NONE, ValueError: _NONE}, _SHARED),
     form=_graph,
     difference=_unlike,
     broken=_broken,

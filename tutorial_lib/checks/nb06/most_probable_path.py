@@ -1,7 +1,5 @@
 """The check of the most probable path over a graph, in notebook 06."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Callable
@@ -13,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
+from tutorial_lib.checks.nb06.forms import explaining, number, vertices
 from tutorial_lib.checks.nb06.graphs import BY_HAND, Graph, Vertex, random_graph
-from tutorial_lib.checks.nb06.untouched import explaining, number, vertices
 from tutorial_lib.viz.figures.panels import stacked
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
@@ -323,7 +321,6 @@ check_most_probable_path = exercise(
     most_probable_path,
     CASES,
     MISTAKES,
-    module=__name__,
     about="The graph done by hand, chains, cycles, larger graphs, goals that cannot be reached.",
     example=case(random_graph(80, 4, 3), 0, 79),
     others=OTHERS,

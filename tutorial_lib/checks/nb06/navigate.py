@@ -1,7 +1,5 @@
 """The check of the navigator's loop, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import cycle
@@ -11,9 +9,9 @@ from typing import Any
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
 from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb06.decide import Decision, decide
+from tutorial_lib.checks.nb06.forms import explaining, number
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
-from tutorial_lib.checks.nb06.untouched import explaining, number
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 ENDINGS = ("arrived", "refused", "gave up", "late")
@@ -312,7 +310,6 @@ check_navigate = exercise(
     navigate,
     {name: case(story) for name, story in STORIES.items()},
     MISTAKES,
-    module=__name__,
     about="Robots that arrive, search, refuse, are lost here and there, and run out of time.",
     example=case(_EXAMPLE, _LINE, DijkstraPlanner(), Limits()),
     calls=10,

@@ -1,7 +1,5 @@
 """A scripted robot for `navigate`, and what happens to it, for the check of notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,17 +1,14 @@
 """The check of counting which edges hold, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind
+from tutorial_lib.checks.nb06.forms import number, untouched
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
-from tutorial_lib.checks.nb06.untouched import number, untouched
 from tutorial_lib.se2 import Array, relative
 
 _FALSE_FROM, _FALSE_TO = (-0.9, 7.3, -1.7), (-6.0, 1.0, 3.0)
@@ -186,10 +183,9 @@ check_tally = exercise(
     tally,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Trips that arrived, that were lost at the start, under way and at the end, and none.",
     example=case([([HERE, *range(200), GOAL], 150)] * 20),
-    invoke=partial(untouched, names=["trips"], hints=_HINTS),
+    invoke=untouched(tally, _HINTS),
     form=_counts,
     difference=_unlike,
 )

@@ -1,7 +1,5 @@
 """The check of replanning, in notebook 06."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -10,8 +8,8 @@ import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, case, exercise, kind, parts
 from tutorial_lib.checks.framework.wording import times
+from tutorial_lib.checks.nb06.forms import explaining
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
-from tutorial_lib.checks.nb06.untouched import explaining
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans around excluded vertices; returns no vertices when it refuses."""
@@ -248,7 +246,6 @@ check_travel = exercise(
     travel,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Navigations: to the goal at once, after being lost, refused, and in vain.",
     example=case(lambda excluded: [HERE, 1, GOAL], lambda path: None, 3),
     run=_play,

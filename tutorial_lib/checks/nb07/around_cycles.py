@@ -1,7 +1,5 @@
 """The check of cycle detection, in notebook 07."""
 
-from __future__ import annotations
-
 import copy
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -210,7 +208,6 @@ check_around_cycles = exercise(
     around_cycles,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Cycles, straight paths, and long stays at a vertex.",
     example=case(_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5),
     invoke=_invoke,

@@ -1,7 +1,5 @@
 """The check of sequence matching, in notebook 07."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -137,7 +135,6 @@ check_match_sequence = exercise(
     match_sequence,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Two views and more, two trajectories, vertices in no order.",
     example=case(_looks(4, 60, 7), np.arange(60) - 1),
     calls=300,

@@ -1,7 +1,5 @@
 """The check of the filter's prediction, in notebook 07."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 
@@ -141,7 +139,6 @@ check_predict = exercise(
     predict,
     CASES,
     MISTAKES,
-    module=__name__,
     about="One robot and several, near and far, at rest and not.",
     example=_case(4, 60, 6, 1.0),
     calls=300,

@@ -1,7 +1,5 @@
 """Small motion models, motions, and beliefs at random, for the checks of notebook 07."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

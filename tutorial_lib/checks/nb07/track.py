@@ -1,7 +1,5 @@
 """The check of the filter's loop over a recorded drive, in notebook 07."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -317,7 +315,6 @@ check_track = exercise(
     track,
     {name: case(story) for name, story in STORIES.items()},
     MISTAKES,
-    module=__name__,
     about="Drives along a row, at standstill, among twins, off the map, and with a kidnapping.",
     example=case(
         np.zeros((40, 3)), lambda step: np.full(5, 0.5), np.ones(6), np.eye(6), FilterSettings()

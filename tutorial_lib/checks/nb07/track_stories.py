@@ -1,7 +1,5 @@
 """Drives with what is seen on them, for the check of the filter's loop in notebook 07."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """The check of the filter's update, in notebook 07."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -112,7 +110,6 @@ check_update = exercise(
     update,
     CASES,
     MISTAKES,
-    module=__name__,
     about="One robot and several, a flat likelihood, and robots for which nothing is possible.",
     example=_case(4, 60, 6),
     calls=300,

@@ -1,7 +1,5 @@
 """The checks of what a traversal says about an edge, in notebook 08."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -61,7 +59,6 @@ check_bayes = exercise(
     bayes,
     BELIEFS,
     BAYES,
-    module=__name__,
     about="Successes and failures on edges that are doubted, nearly sure, and certain.",
     example=case(0.5, 0.9, 0.05, True),
     calls=20_000,
@@ -120,7 +117,6 @@ check_gaussian = exercise(
     gaussian,
     LENGTHS,
     GAUSSIAN,
-    module=__name__,
     about="Lengths that were measured often or hardly ever.",
     example=case(1.0, 0.04, 2.0, 0.04),
     calls=20_000,

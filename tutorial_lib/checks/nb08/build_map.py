@@ -1,7 +1,5 @@
 """The check of Algorithm 1, in notebook 08."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -174,7 +172,6 @@ check_build_map = exercise(
     build_map,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Images in a row, too close, too far, one-way, in several orders, and at random.",
     example=_random(7),
     calls=20,

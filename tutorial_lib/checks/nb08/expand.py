@@ -1,7 +1,5 @@
 """The check of expansion from unused images, in notebook 08."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx
@@ -92,7 +90,6 @@ check_expand = exercise(
     expand,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Two parts of a map, and images that join them, or do not.",
     example=CASES["two images in a row"],
     calls=20,

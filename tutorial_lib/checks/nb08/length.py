@@ -1,7 +1,5 @@
 """The check of the distance to a waypoint, in notebook 08."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -59,7 +57,6 @@ check_length = exercise(
     length,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Waypoints straight ahead, along arcs, behind, and turns in place.",
     example=case(_SOME),
     invoke=calling({TypeError: "waypoints are an array (..., 3); [..., 2] is the turn"}),

@@ -1,7 +1,5 @@
 """The check of the query loop, in notebook 08."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from numbers import Real
@@ -238,7 +236,6 @@ check_live = exercise(
     live,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Queries in small buildings, with doors that close and a wormhole.",
     example=(nx.path_graph(3, create_using=nx.DiGraph), [], lambda *_: True, lambda p, _: p, PRUNE),
     calls=10,

@@ -1,14 +1,11 @@
 """The check of the bookkeeping of ghosts, in notebook 09."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.engine import WrongAnswer, exercise, kind
-from tutorial_lib.checks.nb09.calls import keeping
+from tutorial_lib.checks.engine import WrongAnswer, calling, exercise, keeping, kind
 from tutorial_lib.se2 import Array, inverse
 
 Ghosts = set[tuple[int, int]]
@@ -186,11 +183,10 @@ check_add_ghosts = exercise(
     add_ghosts,
     CASES,
     MISTAKES,
-    module=__name__,
     about="First nodes and later ones, ahead, behind and aside, with several beside them.",
     example=_random(3),
     calls=300,
-    invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", _HINTS),
+    invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", calling(_HINTS)),
     form=_formed,
     difference=_why,
     broken=_broken,

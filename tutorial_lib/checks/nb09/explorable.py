@@ -1,7 +1,5 @@
 """The check of explorable directions, in notebook 09."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -155,7 +153,6 @@ check_explorable = exercise(
     explorable,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Open places, walls, doors, detours, and another radius.",
     example=_walled(*_ROOM),
     calls=300,

@@ -1,7 +1,5 @@
 """The check of the exploration loop, in notebook 09."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -13,8 +11,7 @@ from tutorial_lib.checks.framework.explanation import Hints
 from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
 from tutorial_lib.checks.nb09.global_policy import global_policy
-from tutorial_lib.checks.nb09.small_buildings import BUILDINGS, Building
-from tutorial_lib.checks.nb09.small_places import Ghost, PlacesRobot
+from tutorial_lib.checks.nb09.small_places import BUILDINGS, Building, Ghost, PlacesRobot
 
 Explored = tuple[bool, nx.Graph, set[Ghost]]
 """Whether the goal was reached, the graph, and the ghosts that are left."""
@@ -228,7 +225,6 @@ check_explore = exercise(
     explore,
     {name: case(building) for name, building in BUILDINGS.items()},
     MISTAKES,
-    module=__name__,
     about="Corridors, dead ends, loops, mistakes, ghosts out of reach, and too few steps.",
     example=case(PlacesRobot(BUILDINGS["a loop"])),
     others=OTHERS,

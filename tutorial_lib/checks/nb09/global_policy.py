@@ -1,14 +1,11 @@
 """The check of the global policy, in notebook 09."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.engine import WrongAnswer, case, exercise, parts
-from tutorial_lib.checks.nb09.calls import keeping
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, exercise, keeping, parts
 
 Ghost = tuple[int, int]
 Choice = tuple[int, Ghost | None]
@@ -257,11 +254,10 @@ check_global_policy = exercise(
     global_policy,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Goals and ghosts near and far, none of either, and costs of travelling.",
     example=_random(4),
     calls=300,
-    invoke=keeping(global_policy, "it is needed again in the next step", _HINTS),
+    invoke=keeping(global_policy, "it is needed again in the next step", calling(_HINTS)),
     form=_formed,
     difference=_why,
     broken=_broken,

@@ -1,7 +1,5 @@
 """Small local maps and the lengths of paths over them, for notebook 09."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

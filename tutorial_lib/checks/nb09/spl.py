@@ -1,7 +1,5 @@
 """The check of success weighted by path length, in notebook 09."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -109,7 +107,6 @@ check_spl = exercise(
     spl,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Episodes with and without success, detours, and stops before the path's end.",
     example=_random(5),
     invoke=calling(

@@ -1,7 +1,5 @@
 """The check of which matches are believed, in notebook 10: judged by what is let through."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -213,7 +211,6 @@ check_accept = exercise(
     accept,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Rooms, corridors, other rooms, and matches that odometry contradicts.",
     example=_ROOM,
     calls=1_500,

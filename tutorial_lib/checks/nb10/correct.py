@@ -1,7 +1,5 @@
 """The check of the correction that follows from a match, in notebook 10."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.checks.engine import calling, exercise, numbers
@@ -108,7 +106,6 @@ check_correct = exercise(
     correct,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Robots at a node and beside it, with places and headings that are off.",
     example=_random(1),
     calls=1_500,

@@ -4,8 +4,6 @@ The library's `agreement` counts points within a tolerance: it judges a pose tha
 and says nothing from farther away.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """The check of matching two scans, in notebook 10: judged by the pose that is found."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -159,7 +157,6 @@ check_match = exercise(
     match,
     CASES,
     MISTAKES,
-    module=__name__,
     about="Rooms, a corridor with doors, and guesses that are up to half a metre off.",
     example=_random(5),
     calls=1_500,

@@ -1,7 +1,5 @@
 """Made-up rooms, and what a robot sees in them, for the checks of notebook 10."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,16 +1,12 @@
-"""Calls that must leave their arguments alone, and whose errors are explained, in notebook 06."""
+"""How answers to notebook 06 are called for, and what form they must have."""
 
-from __future__ import annotations
-
-import copy
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, SupportsFloat
 
 import numpy as np
 
-from tutorial_lib.checks.engine import WrongAnswer, kind
-from tutorial_lib.checks.framework.answers import returned
+from tutorial_lib.checks.engine import WrongAnswer, keeping, kind
 from tutorial_lib.checks.framework.explanation import explained
 
 _HINTS: dict[type[Exception], str] = {
@@ -18,46 +14,17 @@ _HINTS: dict[type[Exception], str] = {
     IndexError: "an index lies beyond the end of a list",
     RuntimeError: "does a dictionary or set change while a loop goes through it?",
 }
+_INNER = "the copy shares its inner dictionaries with the map; copy those, too"
 
 
 def untouched(
-    what: str,
-    student: Callable[..., Any],
-    *arguments: Any,  # noqa: ANN401
-    names: Sequence[str],
+    right: Callable[..., Any],
     hints: Mapping[type[Exception], str] | None = None,
-    copies: bool = False,
-) -> Any:  # noqa: ANN401
-    """A student's answer, if the arguments are as they were.
-
-    Args:
-        what: was called, for the message.
-        student: is called.
-        arguments: copies of these are given.
-        names: of the arguments.
-        hints: for kinds of errors, what to say of them in this exercise.
-        copies: whether a graph comes back that must share nothing with the first argument.
-
-    Raises:
-        WrongAnswer: when one was changed, an error was raised, or nothing came back.
-    """
-    given = copy.deepcopy(arguments)
-    got = explaining(what, partial(student, *given), hints)
-    for name, old, new in zip(names, arguments, given, strict=True):
-        if old == new:
-            continue
-        inner = name == "graph" and old.keys() == new.keys()
-        words = "the copy shares its inner dictionaries with the map; copy those, too"
-        words = words if inner else "it is needed again; make a new one"
-        raise WrongAnswer(f"{what}: your function changes its argument {name}; {words}")
-    if copies and isinstance(got, dict) and not _ids(got).isdisjoint(_ids(given[0])):
-        words = "copy those of all vertices: who changes the new graph must not change the map"
-        raise WrongAnswer(f"{what}: the new graph shares inner dictionaries with the map; {words}")
-    return returned(what, got)
-
-
-def _ids(graph: Mapping[Any, Any]) -> set[int]:
-    return {id(out) for out in graph.values()}
+    apart: str = "",
+) -> Callable[..., Any]:
+    """A way to call a student's function, which must change no argument; see `keeping`."""
+    words, call = "it is needed again; make a new one", partial(explaining, hints=hints)
+    return keeping(right, words, call, {"graph": _INNER}, apart)
 
 
 def explaining(
