@@ -209,12 +209,14 @@ class NavigationEnds:
         """
         whole("count", count, least=0)
         arrived = self._navigation.arrived
-        if np.ndim(arrived) and np.size(arrived) != count:
-            raise InputError(
-                f"count of robots: {count} in the simulation, {np.size(arrived)} in the navigation"
-            )
-        if np.any(arrived):
-            raise InputError("navigation: arrived before it begins; start a new one each time")
+        if np.ndim(arrived):  # else it knows of its robots from the first step on
+            if np.size(arrived) != count:
+                raise InputError(
+                    f"count of robots: {count} in the simulation, {np.size(arrived)} in the "
+                    "navigation"
+                )
+            if flags("arrived", arrived, (count,)).any():
+                raise InputError("navigation: arrived before it begins; start a new one each time")
         if hasattr(policy, "arrived") and policy is not self._navigation:
             raise InputError(
                 f"policy: {quoted(policy)} is another navigation than `ends` watches; "
