@@ -89,68 +89,6 @@ def match__right_with_turned_headings_wrapped(node, seen, guess):
     return np.array([*pose[:2], wrap(pose[2])])
 
 
-def match__the_guess(node, seen, guess):
-    """that's the guess"""
-    return guess.copy()
-
-
-def match__one_coarse_grid(node, seen, guess):
-    """too coarse"""
-    return _best(node, seen, guess + _grid((2, 2, 2), (0.3, 0.3, 10 * DEGREES)))
-
-
-def match__the_worst(node, seen, guess):
-    """the highest fit, not the lowest"""
-    pose = guess
-    for level in range(5):
-        poses = pose + _grid((2, 2, 2), (0.3, 0.3, 10 * DEGREES)) / 2**level
-        pose = poses[fit(node, seen, poses).argmin()]
-    return pose
-
-
-def match__place_only(node, seen, guess):
-    """the heading drifts, too"""
-    pose = guess
-    for level in range(5):
-        pose = _best(node, seen, pose + _grid((3, 3, 0), (0.3, 0.3, 1)) / 2**level)
-    return pose
-
-
-def match__heading_only(node, seen, guess):
-    """the place drifts, too"""
-    pose = guess
-    for level in range(5):
-        pose = _best(node, seen, pose + _grid((0, 0, 4), (1, 1, 8 * DEGREES)) / 2**level)
-    return pose
-
-
-def match__around_the_node(node, seen, guess):
-    """search around the guess"""
-    pose = np.zeros(3)
-    for level in range(5):
-        pose = _best(node, seen, pose + _grid((2, 2, 2), (0.3, 0.3, 10 * DEGREES)) / 2**level)
-    return pose
-
-
-def match__exchanged(node, seen, guess):
-    """the first scan is the node's"""
-    pose = guess
-    for level in range(5):
-        pose = _best(seen, node, pose + _grid((2, 2, 2), (0.3, 0.3, 10 * DEGREES)) / 2**level)
-    return pose
-
-
-def match__push(node, seen, guess):
-    """the pose itself, not what was added to the guess"""
-    return match__right_with_three_grids(node, seen, guess) - guess
-
-
-def match__heading_in_degrees(node, seen, guess):
-    """np.deg2rad makes radians of them"""
-    x, y, heading = match__right_with_three_grids(node, seen, guess)
-    return np.array([x, y, np.rad2deg(heading)])
-
-
 def match__quarters_of_a_metre(node, seen, guess):
     """and smaller steps"""
     return _best(node, seen, guess + _grid((2, 2, 8), (0.25, 0.25, 2 * DEGREES)))
@@ -161,24 +99,6 @@ def match__fine_places_coarse_headings(node, seen, guess):
     return _best(node, seen, guess + _grid((10, 10, 2), (0.05, 0.05, 10 * DEGREES)))
 
 
-def match__inverse(node, seen, guess):
-    """the robot in the node's frame, not the node in the robot's"""
-    return inverse(match__right_with_three_grids(node, seen, guess))
-
-
-def match__relative(node, seen, guess):
-    """where the robot is in the node's frame, not in that of the guess"""
-    return relative(guess, match__right_with_three_grids(node, seen, guess))
-
-
-def match__degrees(node, seen, guess):
-    """headings are in radians"""
-    pose = guess
-    for level in range(5):
-        pose = _best(node, seen, pose + _grid((2, 2, 2), (0.3, 0.3, 10)) / 2**level)
-    return pose
-
-
 def match__degrees_by_thirds(node, seen, guess):
     """are your steps in radians"""
     pose, steps = guess, np.array([0.5, 0.5, 15]) / 3
@@ -187,27 +107,11 @@ def match__degrees_by_thirds(node, seen, guess):
     return pose
 
 
-def match__too_near(node, seen, guess):
-    """reaches 0.5 m and 15 degrees"""
-    pose = guess
-    for level in range(4):
-        pose = _best(node, seen, pose + _grid((1, 1, 1), (0.12, 0.12, 4 * DEGREES)) / 2**level)
-    return pose
-
-
 def match__far_away(node, seen, guess):
     """stay near the guess"""
     pose = _best(node, seen, guess + _grid((12, 12, 12), (0.25, 0.25, 15 * DEGREES)))
     for level in range(1, 5):
         pose = _best(node, seen, pose + _grid((2, 2, 2), (0.25, 0.25, 10 * DEGREES)) / 2**level)
-    return pose
-
-
-def match__same_steps(node, seen, guess):
-    """smaller steps from round to round"""
-    pose = guess
-    for _ in range(5):
-        pose = _best(node, seen, pose + _grid((2, 2, 2), (0.3, 0.3, 10 * DEGREES)))
     return pose
 
 
@@ -303,46 +207,6 @@ def _parts(node, seen, guess, pose, count=72):
     return near, fit(node, seen, pose[None])[0], fit(node, seen, around)
 
 
-def accept__always(node, seen, guess, pose):
-    """whatever the scans say"""
-    return True
-
-
-def accept__never(node, seen, guess, pose):
-    """a good match is refused"""
-    return False
-
-
-def accept__fit_alone(node, seen, guess, pose):
-    """a corridor slides"""
-    near, here, _ = _parts(node, seen, guess, pose)
-    return bool(all(near) and here >= 0.75)
-
-
-def accept__slide_alone(node, seen, guess, pose):
-    """another room"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(all(near) and around.max() < here - 0.1)
-
-
-def accept__no_guess(node, seen, guess, pose):
-    """odometry is never that wrong"""
-    _, here, around = _parts(node, seen, guess, pose)
-    return bool(here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__heading_forgotten(node, seen, guess, pose):
-    """compare headings, too"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(near[0] and here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__place_forgotten(node, seen, guess, pose):
-    """compare places, too"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(near[1] and here >= 0.75 and around.max() < here - 0.1)
-
-
 def accept__not_wrapped(node, seen, guess, pose):
     """headings of 179 and -179 degrees"""
     _, here, around = _parts(node, seen, guess, pose)
@@ -351,58 +215,9 @@ def accept__not_wrapped(node, seen, guess, pose):
     return bool(near and here >= 0.75 and around.max() < here - 0.1)
 
 
-def accept__from_the_node(node, seen, guess, pose):
-    """from the guess, not from the node"""
-    _, here, around = _parts(node, seen, guess, pose)
-    near = np.hypot(pose[0], pose[1]) <= 1.0 and abs(wrap(pose[2])) <= 30 * DEGREES
-    return bool(near and here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__along_x(node, seen, guess, pose):
-    """in every direction, not along x alone"""
-    near, here, _ = _parts(node, seen, guess, pose)
-    around = fit(node, seen, pose + np.array([[0.5, 0, 0], [-0.5, 0, 0]]))
-    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__sixteen_directions(node, seen, guess, pose):
-    """perhaps: these directions are too few"""
-    near, here, around = _parts(node, seen, guess, pose, count=16)
-    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
-
-
 def accept__thirty_six_directions(node, seen, guess, pose):
     """does it lie between two of your directions?"""
     near, here, around = _parts(node, seen, guess, pose, count=36)
-    return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
-
-
-def accept__four_and_corners(node, seen, guess, pose):
-    """a corridor that lies between two of them"""
-    near, here, _ = _parts(node, seen, guess, pose)
-    slides = False
-    for x, y in itertools.product((-0.35, 0.0, 0.35), repeat=2):
-        if (x, y) != (0.0, 0.0):
-            slides = slides or fit(node, seen, pose[None] + [x, y, 0.0])[0] > 0.85 * here
-    return bool(all(near) and here >= 0.75 and not slides)
-
-
-def accept__lax(node, seen, guess, pose):
-    """0.4 is no fit"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(all(near) and here >= 0.4 and around.max() < here - 0.1)
-
-
-def accept__strict(node, seen, guess, pose):
-    """nothing fits to 0.97"""
-    near, here, around = _parts(node, seen, guess, pose)
-    return bool(all(near) and here >= 0.97 and around.max() < here - 0.1)
-
-
-def accept__the_guess_s_fit(node, seen, guess, pose):
-    """the fit at the pose, not at the guess"""
-    near, _, around = _parts(node, seen, guess, pose)
-    here = fit(node, seen, guess[None])[0]
     return bool(all(near) and here >= 0.75 and around.max() < here - 0.1)
 
 
@@ -455,68 +270,9 @@ def correct__other_side(node, pose, odometry):
     return compose(inverse(odometry), compose(node, pose))
 
 
-def correct__backwards(node, pose, odometry):
-    """from the map back to the odometry"""
-    return compose(odometry, inverse(compose(node, pose)))
-
-
-def correct__differences(node, pose, odometry):
-    """poses aren't subtracted"""
-    return compose(node, pose) - odometry
-
-
 def correct__heading_only(node, pose, odometry):
     """the place is off, too"""
     return np.array([0.0, 0.0, wrap(node[2] + pose[2] - odometry[2])])
-
-
-def correct__place_only(node, pose, odometry):
-    """the heading is off, too"""
-    here = compose(node, pose)
-    return np.array([here[0] - odometry[0], here[1] - odometry[1], 0.0])
-
-
-def correct__no_node(node, pose, odometry):
-    """in the node's frame"""
-    return compose(pose, inverse(odometry))
-
-
-def correct__node_alone(node, pose, odometry):
-    """the robot isn't at the node"""
-    return compose(node, inverse(odometry))
-
-
-def correct__exchanged(node, pose, odometry):
-    """first the node, then the pose in it"""
-    return compose(compose(pose, node), inverse(odometry))
-
-
-def correct__where_it_is(node, pose, odometry):
-    """that's where the robot is"""
-    return compose(node, pose)
-
-
-def correct__no_inverse(node, pose, odometry):
-    """undo the odometry"""
-    return compose(compose(node, pose), odometry)
-
-
-def correct__inverse_of_the_pose(node, pose, odometry):
-    """the node in the robot's frame"""
-    return compose(compose(node, inverse(pose)), inverse(odometry))
-
-
-def correct__leaves_little_as_it_is(node, pose, odometry):
-    """is an error too"""
-    found = correct__right_with_compose(node, pose, odometry)
-    little = np.hypot(found[0], found[1]) < 0.1 and abs(wrap(found[2])) < 3 * DEGREES
-    return np.zeros(3) if little else found
-
-
-def correct__degrees(node, pose, odometry):
-    """in radians"""
-    found = correct__right_with_compose(node, pose, odometry)
-    return np.array([found[0], found[1], np.rad2deg(found[2])])
 
 
 def correct__list(node, pose, odometry):
