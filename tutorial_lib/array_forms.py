@@ -1,7 +1,5 @@
 """Whether a value is an array of some kind and shape, and the words for what it should be."""
 
-from __future__ import annotations
-
 import re
 from types import EllipsisType
 from typing import Any, TypeGuard

@@ -3,8 +3,6 @@
 An installed course has them as ``topological-navigation``, too.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,7 +1,5 @@
 """Where the course's folder is: its checkout or, of an installed course, where its pages lie."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

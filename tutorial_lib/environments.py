@@ -8,8 +8,6 @@ Importing this module registers them; gymnasium does it itself for a name with t
 `exploration.environment` says what they are and which options they have.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

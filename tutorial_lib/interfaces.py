@@ -4,8 +4,6 @@ Any object with the right methods fits: a network, an oracle, a student's class.
 batches: the first axis of every array counts robots, images or pairs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable

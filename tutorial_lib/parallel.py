@@ -1,7 +1,5 @@
 """The same work on many worlds, on all cores; what is done survives when the rest is killed."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 import time

@@ -8,8 +8,6 @@ A shape is a tuple of lengths, in which a name stands for any length and `...` f
 front: ``("N", 3)``, ``(..., 2)``.
 """
 
-from __future__ import annotations
-
 import operator
 import re
 from collections.abc import Collection, Iterable, Sized

@@ -1,7 +1,5 @@
 """What stands in a robot's way, and the stretches of a map that it could not pass."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

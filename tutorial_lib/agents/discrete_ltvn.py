@@ -4,8 +4,6 @@ It needs no edges in reverse: the robot turns where it stands, and over its shou
 seen the path back.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Frontier exploration on a metric map: the nearest frontier, or the one that a scorer prefers."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

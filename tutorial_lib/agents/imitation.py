@@ -1,7 +1,5 @@
 """Behaviour cloning (Chaplot et al. 2020, 5.1, "ResNet + GRU + IL"): a recurrent policy alone."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,8 +5,6 @@ have driven to the waypoint and see the target there; an edge that failed is avo
 and all robots of a fleet mend the same map.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """What a robot on LTVN's map knows: where it drives, how it got there, what failed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

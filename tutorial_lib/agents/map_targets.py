@@ -1,7 +1,5 @@
 """The vertices of a map as targets, encoded once for all robots and all goals."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

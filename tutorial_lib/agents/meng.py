@@ -1,7 +1,5 @@
 """The system of Meng 2020: a sparse map of reachable images, planned on and followed by sight."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

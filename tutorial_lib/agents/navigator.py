@@ -6,8 +6,6 @@ its path knows about where it is: its next plan begins around there. Else, with 
 excluded, plans would begin at places that only look like here.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field

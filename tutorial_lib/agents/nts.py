@@ -1,7 +1,5 @@
 """Neural Topological SLAM (Chaplot et al. 2020): explores by a graph with ghost nodes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

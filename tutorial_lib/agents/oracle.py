@@ -1,7 +1,5 @@
 """An oracle to compare with: it knows the map, its pose, and where the goals are."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import OraclePolicy

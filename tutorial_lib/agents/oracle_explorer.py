@@ -1,7 +1,5 @@
 """An oracle that knows the world and drives a short path that keeps off the walls."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

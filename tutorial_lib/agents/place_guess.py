@@ -1,7 +1,5 @@
 """Where the robots of a fleet may be: by a single view, a sequence of views, or a belief."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """An agent that walks at random until it sees its goal: what exploration must be better than."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Navigation that does not rely on a single view: replanning, visit counts, a belief, recovery."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import replace
 from typing import Any

@@ -5,8 +5,6 @@ what it explored. Here the first calls the second where no path is probable enou
 when the goal is reached, since it looks at the whole panorama.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

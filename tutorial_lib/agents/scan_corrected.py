@@ -1,7 +1,5 @@
 """Odometry corrected by walls, around any agent that explores."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """SPTM, the baseline of Meng 2020 (IV): a dense, unweighted map of images that are alike."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ One picture looks like many places. Those ahead, aside and behind of one place l
 other place only seldom.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

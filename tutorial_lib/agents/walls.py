@@ -4,8 +4,6 @@ Heading drifts with every turn, and neither F_L nor F_R says what it is. Two pan
 do: turned until their distances correlate, then moved until walls lie on walls.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

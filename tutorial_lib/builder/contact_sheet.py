@@ -1,7 +1,5 @@
 """The first picture of every notebook, with the question below it, on one sheet for teachers."""
 
-from __future__ import annotations
-
 from base64 import b64decode
 from pathlib import Path
 

@@ -4,8 +4,6 @@ A mutant that is no mistake stands with the reason in ``tests/harmless_mutants/N
 ``{exercise: {"old line -> new line": reason}}``.
 """
 
-from __future__ import annotations
-
 import ast
 import builtins
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ boolean operator, another constant, one more or one less, another arithmetic ope
 function, exchanged or dropped arguments, a dropped bound, branch or statement.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -5,8 +5,6 @@ and a figure of each section that asks none. What is asked comes from a run of i
 stored page shows answers.
 """
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode, b64encode
 from copy import deepcopy

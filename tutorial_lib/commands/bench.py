@@ -1,7 +1,5 @@
 """Measures the speed of a part of the library."""
 
-from __future__ import annotations
-
 import argparse
 
 from tutorial_lib.commands.experiment import add_common, run

@@ -1,7 +1,5 @@
 """Writes the notebooks, their guides, and the sheet of their first pictures."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Compiles the numerical kernels, which otherwise the first drive has to wait for."""
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

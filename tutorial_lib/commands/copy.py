@@ -1,7 +1,5 @@
 """Copies the course's pages to where somebody reads them."""
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """Runs an experiment, prints its table, and writes its rows."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

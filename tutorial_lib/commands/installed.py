@@ -4,8 +4,6 @@ start.py asks this before each start. Nothing is imported but what is installed 
 takes a fraction of a second; importing torch alone would take several.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from importlib import metadata

@@ -1,7 +1,5 @@
 """Opens JupyterLab on the first notebook."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

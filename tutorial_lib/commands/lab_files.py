@@ -5,8 +5,6 @@ shows "model not found" in its place, though a picture stands beside it. Jupyter
 for this, `saveState`, helps once: what is opened and saved again has lost its widgets.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ipykernel.ipkernel import IPythonKernel

@@ -1,7 +1,5 @@
 """Puts a class of one's own beside the library's, by the experiment that judges what it is."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """The options that name a map's file, and a part of it."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Checks the answers that students handed in, each in a process of its own."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

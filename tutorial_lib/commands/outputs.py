@@ -1,7 +1,5 @@
 """Outputs of a notebook's cells without their widgets, which end with their kernel."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

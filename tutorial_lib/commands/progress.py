@@ -1,7 +1,5 @@
 """Lists which exercises are done, in every notebook."""
 
-from __future__ import annotations
-
 import argparse
 
 from tutorial_lib.checks.progress import progress, report

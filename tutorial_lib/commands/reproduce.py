@@ -1,7 +1,5 @@
 """Measures stored results again, those that no longer fit or all; what is killed goes on."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """Writes the results page from its JSON files, or says which of them no longer fit."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,7 +1,5 @@
 """Trains a network from scratch, data included."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The one closed loop: observe, act, step, until every robot's rollout has ended."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol

@@ -4,8 +4,6 @@ A result carries fingerprints of the networks and of the code that its run used,
 rows of a few episodes. Where the code has changed since, the canary tells whether the numbers have.
 """
 
-from __future__ import annotations
-
 import json
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace

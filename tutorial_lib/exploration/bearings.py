@@ -1,7 +1,5 @@
 """Directions around a panorama: bins of bearings, and the columns of the image."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

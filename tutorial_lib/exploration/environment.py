@@ -9,8 +9,6 @@
     many = gymnasium.make_vec("tutorial_lib/ImageGoalNav-v0", num_envs=64)
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """F_G's labels: which directions of a panorama lead to explorable area (Chaplot et al. 2020, B)."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray

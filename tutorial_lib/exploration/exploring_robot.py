@@ -1,7 +1,5 @@
 """What one robot of Neural Topological SLAM remembers, and where it is going."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frontiers of a metric map: where what is known to be free ends (Yamauchi 1997)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The global policy (Chaplot et al. 2020, 4.1): which ghost to go to, and by which nodes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.exploration.ghost_graph import Ghost

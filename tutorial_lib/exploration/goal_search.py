@@ -1,7 +1,5 @@
 """Noticing a goal and going to it: what all agents share (Chaplot et al. 2020, 4.1 and 5.1)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

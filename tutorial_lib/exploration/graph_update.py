@@ -1,7 +1,5 @@
 """Localising robots in their graphs, and adding nodes (Chaplot et al. 2020, 4.1, Graph Update)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,7 +1,5 @@
 """Labels of panoramas and of pairs of them, from geometry (Chaplot et al. 2020, appendix B)."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

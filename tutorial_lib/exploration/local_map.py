@@ -1,7 +1,5 @@
 """Occupancy grids around robots, from ranges and odometry."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

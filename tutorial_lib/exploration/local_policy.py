@@ -1,7 +1,5 @@
 """The local policy (Chaplot et al. 2020, 4.1): along the shortest path to a point nearby."""
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray

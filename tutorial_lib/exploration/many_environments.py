@@ -1,7 +1,5 @@
 """Many episodes in lock-step, as a vector environment of Gymnasium."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar

@@ -6,8 +6,6 @@ into walls. Both stop at the same places but for the centimetre between two test
 robot of pymunk's would slide along its wall; this one has a bumper that stops its wheels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

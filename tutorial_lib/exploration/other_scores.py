@@ -1,7 +1,5 @@
 """Scores to compare F_S with: of another model, by colour, and by chance."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

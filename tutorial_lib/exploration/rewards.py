@@ -1,7 +1,5 @@
 """What the steps of an episode pay: its SPL when it ends, or progress to the goal as well."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Image-goal navigation (Chaplot et al. 2020, 3 and 5): N episodes in lock-step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import ClassVar
 

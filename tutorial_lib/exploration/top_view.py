@@ -1,7 +1,5 @@
 """An exploration from above, as an image: for people, never for agents."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """An oracle in place of the network: the four functions from the true geometry of the world."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@ A panorama holds every such picture, so that what was learned for the camera of 
 a robot that looks all around, in whatever direction.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Is a probability right? How it is measured, and how it is mended (Guo et al. 2017)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

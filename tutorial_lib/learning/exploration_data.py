@@ -4,8 +4,6 @@ A plan is recorded once, since its signs change what it looks like and nothing e
 poses and labels; the images are rendered when they are loaded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -4,8 +4,6 @@ Cross-entropy for labels, squared errors times ten for scores, as in the paper. 
 the order of the directions, since the global policy takes the best; auxiliary labels; depth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

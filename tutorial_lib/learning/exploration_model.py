@@ -1,7 +1,5 @@
 """The trained multi-task network behind `interfaces.ExplorationModel`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trained baselines of exploration behind their interfaces: imitation, and a global goal."""
 
-from __future__ import annotations
-
 import numpy as np
 import torch
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """How the networks of exploration are trained: their worlds, sizes and settings."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace

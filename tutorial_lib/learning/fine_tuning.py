@@ -4,8 +4,6 @@ Nobody measures the building: pairs of images of one drive are labelled by its o
 (*Lifelong Topological Visual Navigation*, Fine-tuning), which drifts little from one to the other.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any

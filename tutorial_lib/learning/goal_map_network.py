@@ -8,8 +8,6 @@ knows, and it also sees what the multi-task network has of the present panorama 
 first makes it less general; the others make it a stronger baseline than a reward for area would.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

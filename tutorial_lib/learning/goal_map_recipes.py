@@ -5,8 +5,6 @@ Its data are half-explored maps with frontiers. Robots that follow an expert's p
 one's: which of the frontiers leads there?
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from pathlib import Path

@@ -5,8 +5,6 @@ carried out are drawn at random instead, while the label stays the expert's: so 
 to recover from mistakes (noise injection, Laskey et al. 2017).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -4,8 +4,6 @@ It sees what the multi-task network sees: the same encoder and the same comparis
 direction by direction. A GRU remembers, and four logits choose the action.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

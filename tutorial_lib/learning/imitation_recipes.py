@@ -1,7 +1,5 @@
 """How the recurrent policy is trained that imitates shortest paths."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -4,8 +4,6 @@ A map consists of the pairs with the highest scores among very many, so a networ
 more frequent there than among pairs drawn at random.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Rollout outcomes in many worlds, one file each: the data that reachability is learnt from."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from zlib import crc32

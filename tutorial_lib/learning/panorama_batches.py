@@ -1,7 +1,5 @@
 """Training data of the multi-task network: groups of panoramas of one place, all pairs of each."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any

@@ -4,8 +4,6 @@ It is equivariant to the heading of the source, in steps of 30 degrees, and inva
 the goal: turning a robot on the spot only renumbers its directions.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

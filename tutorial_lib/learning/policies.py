@@ -1,7 +1,5 @@
 """Trained networks that drive fleets to recorded frames; each function makes a `PolicyFactory`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

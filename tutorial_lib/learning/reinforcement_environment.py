@@ -1,7 +1,5 @@
 """Episodes of all difficulties, with and without signs, in lock-step: what policies learn from."""
 
-from __future__ import annotations
-
 from itertools import product
 from typing import Any
 

@@ -4,8 +4,6 @@ It reads what the multi-task network makes of the goal and of what is seen, dire
 with a map, a direction has the cells of the map as well ("metric map + RL").
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Pictures go through the multi-task network of Neural Topological SLAM, which sta
 policy learns where to drive, not to see.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import torch
 from numpy.typing import NDArray

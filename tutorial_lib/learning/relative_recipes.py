@@ -1,7 +1,5 @@
 """How LTVN's model is trained: analytic labels, and false pairs mined in the same buildings."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path

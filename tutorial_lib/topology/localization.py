@@ -7,8 +7,6 @@ robot has moved, `update` multiplies the prior by the likelihood of what it sees
 makes the product sum to one again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 

@@ -5,8 +5,6 @@ paper's: a limit to certainty, a look along an edge as evidence, blame that is s
 before, and the return of pruned edges.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any

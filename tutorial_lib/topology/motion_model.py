@@ -1,7 +1,5 @@
 """How a robot moves along the edges of a map, by what its wheels measure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

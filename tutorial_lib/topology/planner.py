@@ -1,7 +1,5 @@
 """The most probable path over a map, or a refusal (Meng 2020, III-F)."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise

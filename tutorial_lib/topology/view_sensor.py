@@ -1,7 +1,5 @@
 """How likely is what a robot sees, were it at each vertex? By predicted overlap of the views."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.errors import InputError

@@ -1,7 +1,5 @@
 """The free space of a floor plan as a grid, with the clearance of every cell."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

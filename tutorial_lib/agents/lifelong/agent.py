@@ -6,8 +6,6 @@ be worth the drive, and a robot that was carried away notices, begins another gr
 where it recognises a place.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Known mistakes as edits of a rule's own text."""
 
-from __future__ import annotations
-
 import inspect
 import re
 import textwrap

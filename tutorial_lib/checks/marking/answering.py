@@ -1,7 +1,5 @@
 """The process of an answer: it runs the student's file, and calls its function when asked to."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import os

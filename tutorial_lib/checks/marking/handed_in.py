@@ -1,7 +1,5 @@
 """What students handed in: which folders, and which files of them are answers to what."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections import Counter

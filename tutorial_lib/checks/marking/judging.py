@@ -1,7 +1,5 @@
 """Has all answers of a class judged, on all cores."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import queue

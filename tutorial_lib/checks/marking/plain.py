@@ -4,8 +4,6 @@ Numbers, text, arrays, graphs, and the library's plain records. An object of any
 back as one that has its name, words, items and number.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import re

@@ -1,7 +1,5 @@
 """The marks of a class: lines for a terminal, tables for programs, a page for each student."""
 
-from __future__ import annotations
-
 import csv
 import difflib
 import html

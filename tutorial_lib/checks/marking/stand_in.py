@@ -1,7 +1,5 @@
 """A student's function as its check sees it: one that runs in another process."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import time

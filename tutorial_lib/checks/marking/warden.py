@@ -4,8 +4,6 @@ On Linux a server forks them, which has everything imported that answers commonl
 of the checks. Between it and the answer stands a warden, which lives as long as the answer does.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import secrets

@@ -5,8 +5,6 @@ recorders of a check stay where they are, and the answer gets a `Distant` one th
 everything. What comes back is data and nothing else: see `plain`.
 """
 
-from __future__ import annotations
-
 import builtins
 import dataclasses
 import io

@@ -4,8 +4,6 @@ It talks with the command by its standard input and output, and runs no student'
 is judged in a fork of it, so that no answer finds the checks otherwise than the first one did.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 import pickle

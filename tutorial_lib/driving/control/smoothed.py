@@ -4,8 +4,6 @@ C_WP predicts each waypoint from one image, and errs a little differently each t
 frame of the odometry, which drifts little within a second, the predictions can be averaged.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.driving.control.composed import checked_robots

@@ -1,7 +1,5 @@
 """Recorded images with poses for programs that do not render: `.npz` or HDF5."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How many cars C drives per second in closed loop, and which stage takes how long."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """How many steps per second agents explore, with many episodes in lock-step."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """One pymunk space for a fleet against one space for each car."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

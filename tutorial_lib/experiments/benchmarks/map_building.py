@@ -1,7 +1,5 @@
 """What a map costs as it grows: seconds per trajectory and plan, indexed or exhaustive."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

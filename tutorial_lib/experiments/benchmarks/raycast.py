@@ -1,7 +1,5 @@
 """How fast are rays and images? pymunk, numpy and numba on the same walls, one thread."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Rollouts per second of pairs of start and target, and queries of RE per second."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, replace
 

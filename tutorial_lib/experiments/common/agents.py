@@ -1,7 +1,5 @@
 """The agents that experiments compare, or one with a component of your own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Work on many machines: `parallel.for_each` gives its pieces to workers of a Dask scheduler."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any

@@ -1,7 +1,5 @@
 """The agents that explore, by their names in tables, with shipped networks or with an oracle."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any

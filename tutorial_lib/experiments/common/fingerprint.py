@@ -3,8 +3,6 @@
 Comments, docstrings and blank lines do not count: they change no number.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections import defaultdict

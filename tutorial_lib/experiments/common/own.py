@@ -1,7 +1,5 @@
 """A class of the user's own in an experiment, from "FILE.py:CLASS", and what it does wrong."""
 
-from __future__ import annotations
-
 import importlib.util
 import inspect
 import sys

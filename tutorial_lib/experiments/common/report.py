@@ -1,7 +1,5 @@
 """What experiments and benchmarks are given and return: options, and rows as table and JSON."""
 
-from __future__ import annotations
-
 import argparse
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Start and goal of a demo as a user gives them: a pose, or a room by its name."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The demo of exploration: image-goal navigation in a place never seen, on film."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The film of an exploration: the panorama with its scores, what the robot knows, and the truth."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """How long work in parts takes: from what each part costs, corrected by the first that are done."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

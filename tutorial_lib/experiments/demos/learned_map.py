@@ -5,8 +5,6 @@ what it was learned from, and never takes another's place. One map comes with th
 only read; what is learned is kept in the user's cache.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The demo of a map that mends itself: three queries of a hundred, on film, while a door shuts."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace

@@ -1,7 +1,5 @@
 """What a demo's film shows of one moment: of agents with a map, and of an oracle."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The demo: image-goal navigation over a map learned from recorded trajectories, on film."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """What a demo leaves behind: a film, a strip of pictures, and its figures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Records a rollout of one robot for a film, and writes what a demo leaves behind."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

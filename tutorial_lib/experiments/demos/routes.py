@@ -5,8 +5,6 @@ One drive begins at the trip's start and leaves it after two thirds, another com
 third and ends at its goal.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How sure RE is along recorded drives, and of a goal: where it hardly is, a trip shows little."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.agents.meng import MengAgent

@@ -1,7 +1,5 @@
 """A map that mends itself, at which one tampers: shut a door, cut an edge, add one, and watch."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The task of a demo: from which place to which the robot navigates, past whom."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The demo of a life: the first, the third and the tenth visit of one robot, its map growing."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -7,8 +7,6 @@ mend themselves are LTVN's and Meng's; each is compared with the same map as it 
 an oracle that knows of the door.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -6,8 +6,6 @@ odometry for labels. What the model then makes of images from other drives is co
 usual look of the same seeds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

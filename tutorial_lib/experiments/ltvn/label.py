@@ -4,8 +4,6 @@ The controller drives to the target's true position. It arrives where it gets wi
 arrives facing as the target does where the heading is within `FACING` besides.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

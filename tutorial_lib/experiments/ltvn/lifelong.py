@@ -5,8 +5,6 @@ says, in fleets that set off together and share a map. LTVN's map and the same a
 run with true perception, so that errors of the model and of the maintenance can be told apart.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache

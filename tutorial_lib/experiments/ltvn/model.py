@@ -5,8 +5,6 @@ those far apart it accepts where it finds most of the reachable ones. The thresh
 the least that accepts `FAR_RATE` of the far pairs of validation worlds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -5,8 +5,6 @@ Algorithm 1). In each building all maps are sampled from the same images, get th
 stay as they are.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -5,8 +5,6 @@ apart, with the attributes of edges that were there. `ltvn_lifelong` has clean m
 same buildings.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Is reachability calibrated, and which estimator discriminates best (Meng 2020, III-C)?"""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The audit: how many far, occluded pairs, labelled 0 without a rollout, would be reached?"""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Fig. 10 of Meng 2020: success with maps of a part of the trajectories."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Fig. 11 of Meng 2020: a path that was never recorded, composed of several trajectories."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Robots start in rooms that have an exact twin in the same office, and look for a
 All remedies run the same trials; those that match sequences share a map, and so do the others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any

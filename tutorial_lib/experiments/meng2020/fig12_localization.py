@@ -4,8 +4,6 @@ An oracle drives robots through offices with look-alike rooms, and the filter fo
 and what their wheels measure. Some are carried to another room on the way; no odometer notices.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

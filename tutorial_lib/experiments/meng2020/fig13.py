@@ -1,7 +1,5 @@
 """Fig. 13 of Meng 2020: how maps grow with the number of observations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any

@@ -4,8 +4,6 @@ Beside it the map of all their frames, in which nothing is sparsified: a sparse 
 than 1/10 of its vertices and 1/100 of its edges (III-E).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fig. 5 of Meng 2020: where three controllers keep anchors, and that tight places get more."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Fig. 6 of Meng 2020: one long trajectory, followed by its anchors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

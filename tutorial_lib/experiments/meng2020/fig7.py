@@ -1,7 +1,5 @@
 """Fig. 7 of Meng 2020: how much of a trajectory is followed, against how much of it is kept."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

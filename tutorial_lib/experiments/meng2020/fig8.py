@@ -1,7 +1,5 @@
 """Fig. 8 of Meng 2020: whole maps, to be drawn with a colour for each trajectory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

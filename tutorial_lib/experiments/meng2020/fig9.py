@@ -1,7 +1,5 @@
 """Fig. 9 of Meng 2020: is the probability of a path the share of such paths that succeed?"""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

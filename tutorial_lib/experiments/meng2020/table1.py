@@ -1,7 +1,5 @@
 """Table I of Meng 2020: how often each local controller reaches a target near a trajectory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any

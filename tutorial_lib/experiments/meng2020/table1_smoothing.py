@@ -1,7 +1,5 @@
 """Table I with smoothed waypoints: is C better when it averages its last predictions?"""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 

@@ -5,8 +5,6 @@ start and later its goal, and an agent that only repeats drives succeeds. With `
 learn a part of them; what was not driven must be *composed* of several.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -6,8 +6,6 @@ refuses single images; a low one accepts goals that are not on the map, here tho
 building. The best one for single images is `DijkstraPlanner.p_goal`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

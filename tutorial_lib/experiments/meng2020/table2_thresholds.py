@@ -4,8 +4,6 @@ With `--drives` for agents that learned a part of the drives: what is best depen
 best ones of each share are entered in `protocols.thresholds.CHOSEN`, which Table II takes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Fig. 8 of Chaplot et al. 2020: up to ten goals one after another, with and without a memory."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

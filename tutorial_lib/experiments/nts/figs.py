@@ -3,8 +3,6 @@
 The places are chosen by the geometry and the seed, never by what a network makes of them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The pictures of Figs. 3, 4, 9 and 10 of Chaplot et al. 2020, from their rows alone."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ choice is right when the path from its end is within 0.5 m of the best one's. F_
 goal is not in the node of the source: decisions between unconnected places come first, then all.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product

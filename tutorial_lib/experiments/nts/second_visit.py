@@ -5,8 +5,6 @@ of Meng 2020 makes a map. On the second visit robots start where the first one p
 goal that it passed, or that it came nowhere near.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

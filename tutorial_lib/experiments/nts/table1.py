@@ -1,7 +1,5 @@
 """Table 1 of Chaplot et al. 2020: success and SPL of all agents, and of ablations of the first."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Table 2 of Chaplot et al. 2020: what the stop action and the noise of motion cost."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

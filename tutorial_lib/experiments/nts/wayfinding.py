@@ -4,8 +4,6 @@ Two gradient-boosted models choose among the directions of a place; one of them 
 picture. Where places mean nothing, it gains nothing by it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One robot of the exploration task that is driven by calls, for loops that people write."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Which direction leads to a goal: decisions at places of a world, with perfect perception."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

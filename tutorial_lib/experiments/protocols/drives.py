@@ -5,8 +5,6 @@ drive past its start and then its goal. Here a robot was shown less: a share of 
 tour from each place to the next and back.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

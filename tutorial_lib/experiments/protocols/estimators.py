@@ -1,7 +1,5 @@
 """The estimators of reachability in the calibration table."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

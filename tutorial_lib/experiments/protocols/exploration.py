@@ -1,7 +1,5 @@
 """Episodes of exploration in one world, and what agents make of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Recorded trajectories that are followed again by their anchors (Meng 2020, IV-A, IV-B)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

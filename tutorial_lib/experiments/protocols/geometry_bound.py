@@ -1,7 +1,5 @@
 """How well geometry predicts an outcome: an upper bound for what images can predict."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What an agent with ghost nodes remembers at one moment, for pictures and tables."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Many queries in one building, by robots whose map changes meanwhile (LTVN)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """Table I's task: episodes of local control under several conditions (Meng 2020, III-B)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Offices in which many rooms look exactly alike, and trials that start in such rooms (Fig. 12)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

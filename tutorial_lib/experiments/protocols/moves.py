@@ -1,7 +1,5 @@
 """What happens to a robot under way: it is pushed, turned, carried, or met by a person."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Navigation trials: agents start, and declare when they have arrived (Meng 2020, IV-C)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """People who stand in the way, the paths around them, and maps with a path left."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import networkx as nx

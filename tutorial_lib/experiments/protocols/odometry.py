@@ -1,7 +1,5 @@
 """The wheel odometry of the robots in an experiment: it drifts unless it is to be exact."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from tutorial_lib.world.noise import DriftingOdometry, NoNoise, OdometryNoise

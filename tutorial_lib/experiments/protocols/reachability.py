@@ -1,7 +1,5 @@
 """Every estimator in one world: predictions for pairs and edges, and the outcomes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """Thresholds of both maps that depend on how much of a building was driven."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

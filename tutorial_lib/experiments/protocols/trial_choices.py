@@ -1,7 +1,5 @@
 """Which trials are run: between the places, from anywhere, to goals seen from another heading."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A first visit, on which a robot explores a building, and trials of a second one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """An exploration step by step: what the robot sees and remembers, and what is true."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A building that changes during a life, and its task: doors close and open, furniture moves."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import networkx as nx

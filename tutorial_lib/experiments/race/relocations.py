@@ -1,7 +1,5 @@
 """When robots that were carried find themselves in their graphs again, and whether rightly."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.agents.lifelong import LifelongAgent

@@ -1,7 +1,5 @@
 """Who runs the race, by their names in its table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any

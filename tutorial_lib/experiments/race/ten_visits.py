@@ -5,8 +5,6 @@ odometry but itself. In some lives somebody carries the robot elsewhere before a
 others the building changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product

@@ -1,7 +1,5 @@
 """Tables of places that look alike: remedies (Fig. 12 of Meng 2020), and the filter alone."""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Finding
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.meng2020.fig12_localization import FOUND, NOTICED, RIGHT, SURE

@@ -1,7 +1,5 @@
 """Tables of exploring a place never seen: Neural Topological SLAM and what it is compared with."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import product
 from typing import Any

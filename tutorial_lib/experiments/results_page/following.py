@@ -1,7 +1,5 @@
 """Tables of following a trajectory: Figs. 5, 6 and 7 of Meng 2020, and disturbances."""
 
-from __future__ import annotations
-
 import math
 
 from tutorial_lib.experiments.common.report import Rows

@@ -1,7 +1,5 @@
 """The library's modules whose settings and constants the templates tell, by their names there."""
 
-from __future__ import annotations
-
 from types import ModuleType
 
 from tutorial_lib.agents import blockades, mending, remedy_navigation

@@ -1,7 +1,5 @@
 """Tables of maps that mend themselves (LTVN): of the model, of many queries, of what changes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from tutorial_lib.experiments.common.report import Finding, Rows

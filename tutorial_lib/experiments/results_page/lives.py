@@ -1,7 +1,5 @@
 """Tables of ten visits: what a memory is worth over the life of a robot in one building."""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.race.ten_visits import CHANGED, PARTS, STAYS
 from tutorial_lib.experiments.results_page.markdown import Row, percent

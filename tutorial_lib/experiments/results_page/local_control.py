@@ -1,7 +1,5 @@
 """Tables of local control: Table I of Meng 2020, other worlds, ablations."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from tutorial_lib.experiments.common.report import Rows

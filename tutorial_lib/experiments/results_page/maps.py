@@ -1,7 +1,5 @@
 """Tables of maps: Figs. 4, 8 and 13 of Meng 2020, and what a map costs as it grows."""
 
-from __future__ import annotations
-
 from itertools import groupby
 
 from tutorial_lib.experiments.common.report import Rows

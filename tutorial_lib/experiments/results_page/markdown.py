@@ -1,7 +1,5 @@
 """Numbers as text, and tables in Markdown."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Tables of navigation: Table II of Meng 2020, also of a part of the drives, and Figs. 10, 11."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from statistics import fmean

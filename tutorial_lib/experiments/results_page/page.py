@@ -1,7 +1,5 @@
 """The whole results page, and the block of the project's README."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from functools import reduce

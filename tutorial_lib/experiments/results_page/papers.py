@@ -1,7 +1,5 @@
 """What the chapter on papers and course says: numbers beside the papers', and where things are."""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.nts.table1 import PAPER as TABLE1
 from tutorial_lib.experiments.nts.table2 import PAPER as TABLE2

@@ -1,7 +1,5 @@
 """Tables of the probability of a plan: Fig. 9 of Meng 2020, and goals and paths that fail."""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import number, percent
 from tutorial_lib.experiments.results_page.tables import listing, matching, part, success, table_of

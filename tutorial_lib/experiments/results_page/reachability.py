@@ -1,7 +1,5 @@
 """Tables of reachability: how well each estimator predicts the outcome of a rollout."""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.reachability import SURE
 from tutorial_lib.experiments.results_page.markdown import number_interval

@@ -1,7 +1,5 @@
 """Where the numbers come from: the stored reports and the commands that make them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables of speed: the closed loop, rollouts and queries, rays and images, fleets, exploration."""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.exploring import AGENTS
 from tutorial_lib.experiments.results_page.markdown import table

@@ -1,7 +1,5 @@
 """Rows of a report, and tables that are made of them by short specifications."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product

@@ -3,8 +3,6 @@
 A section tells of one experiment: what was measured, by which commands, and what was found.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator

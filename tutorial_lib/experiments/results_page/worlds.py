@@ -1,7 +1,5 @@
 """Tables of the worlds: are the generated plans sound, and do signs lead?"""
 
-from __future__ import annotations
-
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import Row, counted, interval, points
 from tutorial_lib.experiments.results_page.tables import listing, matching, of, table_of

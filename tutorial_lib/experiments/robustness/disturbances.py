@@ -1,7 +1,5 @@
 """How the follower recovers: pushed aside, turned, obstructed by a person, or kidnapped."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

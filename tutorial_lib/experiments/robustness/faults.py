@@ -5,8 +5,6 @@ the time of an oracle that knows the detour, and half a minute. A path is only b
 agent's map holds another one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Are the generated plans valid, and can a car drive in them?"""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -8,8 +8,6 @@ anchors. A robot that does not find its path again in time is lost and stops; so
 changed at once and does not recover in time (ours). Nothing here ever sees a pose.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

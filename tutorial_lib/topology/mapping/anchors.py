@@ -1,7 +1,5 @@
 """The anchors of a sparsified trajectory, with their observations and contexts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

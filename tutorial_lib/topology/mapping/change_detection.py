@@ -5,8 +5,6 @@ is aligned with the image's first; where the two do not fit, nothing is said. No
 are gone: what stands in a door hides some, but a place that looks alike lacks some.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

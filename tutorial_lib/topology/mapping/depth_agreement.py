@@ -1,7 +1,5 @@
 """Whether two depth images can be views of one place from the predicted poses (ours)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tutorial_lib.se2 import Array, to_world

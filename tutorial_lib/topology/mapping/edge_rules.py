@@ -1,7 +1,5 @@
 """The rules by which a map grows, as functions of arrays (Meng 2020, III-E, III-G)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 
 import numpy as np

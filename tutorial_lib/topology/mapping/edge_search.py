@@ -4,8 +4,6 @@ Querying every pair takes ever longer as a map grows. Similar pairs are queried 
 high, so are their neighbours along both trajectories.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

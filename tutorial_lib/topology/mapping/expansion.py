@@ -1,7 +1,5 @@
 """Where no path is left: pruned edges and unused images are tried (LTVN, Graph Maintenance)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """Maps for other programs: GraphML for those that draw graphs, GeoJSON for Nav2's route server."""
 
-from __future__ import annotations
-
 import io
 import json
 from pathlib import Path

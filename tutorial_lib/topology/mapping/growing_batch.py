@@ -1,7 +1,5 @@
 """A growing batch, such as the prepared targets of a map."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All images of a building that a map is built from, and what a model says about each pair."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How a trajectory is added to a map (Meng 2020, III-E)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ Where one edge is blocked, so are the others that lead through the same place, a
 map could have: else expansion would join the two sides again, by images that are not used yet.
 """
 
-from __future__ import annotations
-
 from itertools import chain
 
 import numpy as np

@@ -4,8 +4,6 @@ RE compares two images in a network. An embedding is computed from each image al
 all vertices are kept, and all of them are compared with a new one by a product of matrices.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -6,8 +6,6 @@ the walls of the other (iterative closest point, to lines), and judged by whethe
 what the other says must be seen.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

@@ -4,8 +4,6 @@ One file, so that there is never an older graph beside newer observations: whate
 same time, a reader finds one map or another.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -1,7 +1,5 @@
 """The topological map: anchors as vertices, reachability as edges (Meng 2020, III-E)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

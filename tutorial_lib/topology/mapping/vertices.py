@@ -1,7 +1,5 @@
 """The vertices of a map: contextified anchors, stored so that RE can be queried about them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

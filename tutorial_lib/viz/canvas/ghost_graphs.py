@@ -1,7 +1,5 @@
 """Graphs with ghost nodes, and what a robot has seen, drawn as the floor plan is."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What drawing is given: pictures, colours, sizes in pixels; see `validation` for all else."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from types import EllipsisType
 

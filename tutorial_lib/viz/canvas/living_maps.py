@@ -1,7 +1,5 @@
 """A map that mends itself, drawn on the floor plan: what it believes, and what it has pruned."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable
 

@@ -1,7 +1,5 @@
 """Targets that were reached and targets that were missed, told apart without their colours."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,7 +1,5 @@
 """A floor plan from above, and what moves on it, drawn as RGB arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Topological maps drawn on the floor plan, which they do not know (Meng 2020, Figs. 4 and 8)."""
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Iterable
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Directions of a panorama: over its picture, and around the robot on a local map."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import cv2

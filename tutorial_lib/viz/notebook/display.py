@@ -1,7 +1,5 @@
 """Pictures and films as output of notebook cells; nothing is fetched from the network."""
 
-from __future__ import annotations
-
 import base64
 import html
 import os

@@ -1,7 +1,5 @@
 """Tables as output of notebook cells."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

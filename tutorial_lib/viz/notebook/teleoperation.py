@@ -1,7 +1,5 @@
 """Teleoperation of a car: a pure function that draws it, and a controller without Jupyter."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ and a shell connects them to buttons and sliders. The callbacks need no browser 
 button with `.click()`, move a slider by its `.value`.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Floor plans drawn at random: the same family and seed give the same plan, byte for byte."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Apartments: a hallway with bedrooms and bathrooms, and a living room with its kitchen."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Loop corridors: a ring or a figure eight, with a few rooms inside and outside."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A room and a door in the making."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from tutorial_lib.world.floorplan import Door, Room

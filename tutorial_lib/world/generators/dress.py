@@ -1,7 +1,5 @@
 """Colour for a plan: every material drawn from the palette of its room or piece of furniture."""
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Mapping
 from dataclasses import replace

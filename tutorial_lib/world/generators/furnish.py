@@ -1,7 +1,5 @@
 """Furniture into rooms: along the walls, clear of doors and of one another."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What stands in a room, and how large it is. All lengths in metres."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

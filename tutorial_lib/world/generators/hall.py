@@ -1,7 +1,5 @@
 """Halls: depots, warehouses, lobbies: much open space, few walls, sparse colour."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

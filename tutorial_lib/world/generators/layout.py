@@ -1,7 +1,5 @@
 """Rooms and doors, and the walls that follow from them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

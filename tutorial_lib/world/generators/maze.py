@@ -1,7 +1,5 @@
 """Mazes of corridors, with loops and a few wider places."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Offices: corridors of several shapes, with offices and shared rooms on both sides."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

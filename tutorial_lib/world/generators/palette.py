@@ -4,8 +4,6 @@ Standard hues lie in 0-62, 105-145 and 190-232 degrees, shifted hues only in the
 what is white or grey in the standard palette has a tint in the shifted one.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 Range = tuple[float, float]

@@ -1,7 +1,5 @@
 """Which rooms a band is cut into, and how wide each gets."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

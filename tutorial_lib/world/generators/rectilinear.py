@@ -1,7 +1,5 @@
 """Shapes with right angles: rectangles, and outlines that run counter-clockwise. In metres."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Removes the furniture that keeps the car from getting everywhere."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Scanned worlds: another world as a robot's map would have it, imported again."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray

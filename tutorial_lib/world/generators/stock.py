@@ -1,7 +1,5 @@
 """What stands in a hall: rows of racks, a grid of pillars, pallets and machines here and there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ on the other side are the same turned by half a turn, and every stretch repeats 
 ends and a few odd ones between are different, so that one can still find out where one is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Signs that lead: accents on the walls whose colour follows the distance along the corridors."""
 
-from __future__ import annotations
-
 import colorsys
 from dataclasses import dataclass, replace
 

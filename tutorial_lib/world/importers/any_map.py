@@ -1,7 +1,5 @@
 """Any kind of map, recognised by its suffix and content."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tutorial_lib.errors import InputError

@@ -4,8 +4,6 @@ Lengths here are in cells: x is the column, y the row, row 0 the lowest, and cel
 covers the unit square whose lower left corner is (column, row).
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Floor plans of the HouseExpo data set: an outer wall and the rooms' boxes, as JSON."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

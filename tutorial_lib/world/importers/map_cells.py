@@ -3,8 +3,6 @@
 The meaning of every key is that of nav2's map_server.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import unicodedata

@@ -1,7 +1,5 @@
 """A part of a map: all within a box, or the free part that holds a point."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import cv2

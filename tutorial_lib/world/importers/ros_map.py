@@ -1,7 +1,5 @@
 """Maps as ROS saves them: a YAML file beside an image of the occupancy grid."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import cv2

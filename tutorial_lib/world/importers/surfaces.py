@@ -1,7 +1,5 @@
 """Materials for walls from a map, which does not record how they look."""
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Sequence
 from itertools import pairwise
