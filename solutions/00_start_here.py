@@ -212,7 +212,7 @@ display(twins)
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry makes a new error, of about 5 % of the distance and turn just driven, and its heading drifts a little.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry makes a new error, of about 5% of the distance and turn just driven, and its heading drifts a little.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)
@@ -262,7 +262,7 @@ wheels = Prediction(
     robot=f"half of the cars are less than {np.median(errors[-1]):.2f} m off, and the worst is "
     f"{errors[-1].max():.1f} m off.",
     tempting="C",
-    because=f"5 % of {metres[-1]:.0f} m is {0.05 * metres[-1]:.1f} m. But on the way back, some of "
+    because=f"5% of {metres[-1]:.0f} m is {0.05 * metres[-1]:.1f} m. But on the way back, some of "
     "the errors push the other way.",
     before=stacked([path], ["There, back, and there again"]),
     after=side_by_side(

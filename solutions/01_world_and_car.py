@@ -447,7 +447,7 @@ table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors aren't precise. As in X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B), ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33. Odometry errs, too: by about 5 % of each distance and turn, and its heading drifts.
+# Motors aren't precise. As in X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B), ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33. Odometry errs, too: by about 5% of each distance and turn, and its heading drifts.
 #
 # Two hundred cars start at the same place and get the same commands for 20 s. Your `compose` computes where they are, and where their odometry puts them.
 
@@ -514,7 +514,7 @@ cloud = Prediction(
     f"deviations); the cars themselves are spread over {spread:.2f} m. For half of the cars it's less "
     f"than {half:.2f} m off, for nine tenths less than {most:.2f} m.",
     tempting="B",
-    because="5 % of a distance is an error ahead. But a wrong heading, over metres, becomes an "
+    because="5% of a distance is an error ahead. But a wrong heading, over metres, becomes an "
     "error across, and that's larger.",
     before=draw_cloud(False),
     after=draw_cloud(True),
@@ -738,7 +738,7 @@ display(alike)
 # <details><summary>Extras, if you like</summary>
 # Drive in a circle using <code>bicycle_step</code>, with <code>seconds=0.5</code> and <code>seconds=0.01</code>: which circle is larger, and how far apart are the cars after 20 s? A function that moves the car along the exact arc passes the check, too.
 #
-# In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90 % of the errors to stay below 0.3 m after 20 s?
+# In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90% of the errors to stay below 0.3 m after 20 s?
 #
 # Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: up to what depth can you still tell two depths apart?
 # </details>

@@ -1298,7 +1298,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 # The paper's Table I compares such controllers on targets from 1 m behind to 3 m ahead, in four unseen buildings. *Direct* maps the images straight to the controls, without a waypoint; *waypoint* is $\mathcal C$ with more and more context. Below is the table's twin, **in an easier world**: straight walls with painted stripes, and uniform light. *Random* drives to random waypoints, *laser* gets distances instead of images, and the *oracle* shows what the car's body and the time limit cost. Compare the order of the bars, not their heights: more context helps, in both worlds.
 
 # %% hidden=true
-# Success rates beside the paper's, with 95 % intervals
+# Success rates beside the paper's, with 95% intervals
 result = load_result("meng_table1")
 ours = {line["controller"]: line for line in result.rows if line["condition"] == "clean"}
 names = {

@@ -620,7 +620,7 @@ display(ten_drives)
 #
 # ## 4 · Is it right?
 #
-# You can't check "70 % rain" on one day. Of all days with a forecast of 70 %, it should rain on seven in ten. The same goes for RE: sort its predictions, put similar ones into a [[bin]], and compare each bin's *mean prediction* with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
+# You can't check "70% rain" on one day. Of all days with a forecast of 70%, it should rain on seven in ten. The same goes for RE: sort its predictions, put similar ones into a [[bin]], and compare each bin's *mean prediction* with the *share that arrived*. Plot one against the other, and you have the **[[reliability diagram]]**; an estimator whose points lie on the diagonal is **[[calibrated]]**.
 #
 # Most predictions are near 1, so with equal widths the middle bins would be nearly empty. Take bins of equal **mass**: each holds equally many predictions, give or take one where $N$ isn't a multiple of the number of bins $B$; which bins are larger is up to you. The **expected calibration error** (ECE) is the mean gap, each bin weighted by its number of predictions $n_b$:
 #
@@ -657,7 +657,7 @@ reliability_diagram = check_reliability_diagram.use(reliability_diagram)
 
 
 # %% [markdown]
-# Start with a quickly trained network: two small layers on top of $\mathcal C_{WP}$'s frozen encoder, trained on the 300 rollouts in your flat and the maze. Here's its diagram for those 300. Vertical lines are 95 % intervals: a gap that small could be chance. Both axes are stretched near 1, where most predictions are.
+# Start with a quickly trained network: two small layers on top of $\mathcal C_{WP}$'s frozen encoder, trained on the 300 rollouts in your flat and the maze. Here's its diagram for those 300. Vertical lines are 95% intervals: a gap that small could be chance. Both axes are stretched near 1, where most predictions are.
 
 
 # %% hidden=true
@@ -773,7 +773,7 @@ display(new_house)
 
 # %% exercise="fit_temperature"
 def fit_temperature(logits, labels):
-    """The temperature T with the least mean loss of logits / T, to about 1 %.
+    """The temperature T with the least mean loss of logits / T, to about 1%.
 
     logits: (N,). labels: (N,) from 0 to 1. T is sought from 0.05 to 20; where
     the loss is least at an end of this range, T is that end. Returns one
@@ -1450,7 +1450,7 @@ show(from_figure(figure))
 # 5. A car arrives in time, and a second later hits the wall. What's the label?
 # 6. Of ten rollouts from one start, four arrive. Which prediction has the lowest cross-entropy?
 # 7. You divide all logits by 2. What happens to the predictions, and to the AUC?
-# 8. A network always says 0.85, and 85 % arrive. Is it calibrated, and is it useful?
+# 8. A network always says 0.85, and 85% arrive. Is it calibrated, and is it useful?
 # 9. Two controllers share one camera. May they share one RE?
 # 10. Why does a map need an estimator that's right far more often than 999 times in 1,000?
 #

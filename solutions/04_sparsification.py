@@ -1040,7 +1040,7 @@ show(cover_chart(clean, "sparsity", 8.0))
 # Not quite: the <i>distance</i> isn't fixed. A car drives slowly where driving is hard, and so records more images there. What the rule can't do is adapt to the <i>controller</i>.
 # </details>
 # <details><summary>Does context pay off?</summary>
-# In anchors, yes: k = 5 needs the fewest. In stored images it's the other way round: k = 0 needs the fewest by far. In the paper the cover rate without context is at most 90 %; here it's nearly as high without as with, since painted walls are easy to tell apart.
+# In anchors, yes: k = 5 needs the fewest. In stored images it's the other way round: k = 0 needs the fewest by far. In the paper the cover rate without context is at most 90%; here it's nearly as high without as with, since painted walls are easy to tell apart.
 # </details>
 #
 # ## 8 · A field trip

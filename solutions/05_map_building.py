@@ -1361,6 +1361,6 @@ show(stacked([picture], ["Twelve drives, one map. Now what?"]))
 # - find the few pairs that are worth a query;
 # - say why a map stops growing, and when it may forget.
 #
-# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go backwards on the map? Remove every edge that a path of other edges replaces at a loss of at most 1 %: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
+# **Extras, if you like.** Leave `ahead_of` out of your `insert`: how many drives go backwards on the map? Remove every edge that a path of other edges replaces at a loss of at most 1%: is every path still there? Remove a vertex only after two drives have missed it: what must the map remember?
 #
 # Tonight the robot can't use any of it. There's a map, there's a photo on the fridge, and the robot can't get from one to the other. In notebook 06 it plans on this map, refuses, gets lost, and finds the lie. The paper's III-F and III-G are good reading until then.

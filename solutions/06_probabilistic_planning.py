@@ -197,7 +197,7 @@ hops = Prediction(
     "hops",
     f"Each amber hop is about {each:.1%} sure. How likely is it that "
     f"all {len(amber.probabilities)} work?",
-    {"P": "about 70 %", "Q": "about 85 %", "R": "about 96 %", "S": "about 99 %"},
+    {"P": "about 70%", "Q": "about 85%", "R": "about 96%", "S": "about 99%"},
     right="R",
     robot=f"it multiplies: {' · '.join(f'{p:.3f}' for p in amber.probabilities)} = "
     f"{amber.probability:.2f}. Green's two hops give only {from_d[lure]:.2f} · "

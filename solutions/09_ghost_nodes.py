@@ -935,7 +935,7 @@ blind = Prediction(
     "09",
     "blind",
     "How often does F_S find the best direction at the question mark?",
-    {"A": "in about 72 %, like the blind one", "B": "in about 80 %", "C": "in about 90 %"},
+    {"A": "in about 72%, like the blind one", "B": "in about 80%", "C": "in about 90%"},
     right="A",
     robot=f"it finds the best direction in {knows_hard:.0%} of these decisions, and the blind one "
     f"in {blind_hard:.0%}. Seeing the goal is worth nothing.",
@@ -950,13 +950,13 @@ blind = Prediction(
 display(blind)
 
 # %% [markdown]
-# So in a plain building, far from the goal, the score is mere habit: it knows which direction leads *out*. With accents, it compares hues, and knows which direction leads closer. Thin lines are 95 % intervals.
+# So in a plain building, far from the goal, the score is mere habit: it knows which direction leads *out*. With accents, it compares hues, and knows which direction leads closer. Thin lines are 95% intervals.
 #
 # <details><summary>How large are the differences, in points?</summary>
 # On <b>easy</b> decisions, seeing the goal is worth 33 to 39 points, and on medium ones 22 to 27: the two panoramas show much of the same, and a network can compare them. On <b>hard</b> ones it is worth nothing in plain buildings, and with wayfinding accents it is worth 8 points. All these goals are at another node, since F_S is asked only then (the paper's section 4.2); the <a href="../tutorial_lib/results/README.md#scores-of-directions">results page</a> has the rest.
 # </details>
 # <details><summary>Would better eyes help?</summary>
-# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions: there it's next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard decisions, the model that knows the goal finds the best direction in 70 % of cases in wayfinding buildings, and in 51 % in plain ones. These models choose at other places and see no panoramas, so compare only their gains with the chart's. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
+# Hardly. Two models (gradient-boosted trees) are told the kinds of rooms and all distances, so neither has to perceive anything; one of them also knows the kind of the goal's room. In <b>plain</b> buildings, knowing the goal gains 8 points on easy, 8 on medium, and 2 on hard decisions: there it's next to nothing. In <b>wayfinding</b> buildings, the gain is 25 points, 29 and 16: both models read the hues, too. On hard decisions, the model that knows the goal finds the best direction in 70% of cases in wayfinding buildings, and in 51% in plain ones. These models choose at other places and see no panoramas, so compare only their gains with the chart's. Little in a plain building says where the goal is, and no network can learn what isn't there. <a href="../tutorial_lib/results/README.md#signs-that-lead">More</a>
 # </details>
 # <details><summary>Then why does F_S help in the paper, whose homes have no accents?</summary>
 # A likely reason: homes aren't laid out at random. A bathroom is next to bedrooms, a kitchen next to the dining room, and wherever a room's place depends on its kind, one room says something about where others are. In the paper's Table 1, the advantage over the next best agent is largest on hard episodes. The <i>buildings</i> carry the semantics; a network can only pick them up.
@@ -1225,7 +1225,7 @@ together = Prediction(
     "together",
     "Both together: the map plans, and when it refuses, the explorer drives. How many of the passed "
     "goals do they reach?",
-    {"A": "about 90 %", "B": "94 %, like the map alone", "C": "about 99 %"},
+    {"A": "about 90%", "B": "94%, like the map alone", "C": "about 99%"},
     right="C",
     robot=f"it reaches {both_at:.0%} of the goals that it passed, and "
     f"{second['elsewhere', 'both']:.0%} of the others.",
@@ -1292,7 +1292,7 @@ show(stacked(rows))
 # <ul>
 # <li><b>Am I here?</b> The robot asks F_L about its own node first, then about at most four nearby. The paper asks about every node. In validation buildings this made no difference.</li>
 # <li><b>Edges to a known node</b> get their pose from F_R; the paper takes odometry. That made no difference, either.</li>
-# <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. Without this rule, success on hard goals falls from 71 to 39 % in plain buildings, and from 88 to 37 % in wayfinding ones.</li>
+# <li><b>A ghost that is reached becomes a node</b>, even if F_L says that the robot never left the old one. Without this rule, success on hard goals falls from 71 to 39% in plain buildings, and from 88 to 37% in wayfinding ones.</li>
 # <li><b>When ghosts go:</b> a node within a metre removes them, and so does one in sight in their direction, even without an edge. When none are left, there's the reserve list.</li>
 # <li><b>The goal:</b> several guesses at its place are averaged, a place where it isn't seen is rejected, and the robot stops 0.6 m away by its own estimate.</li>
 # <li><b>The network</b> matches the columns of two panoramas and learns from more than the paper's five losses, among them one for the order of directions.</li>

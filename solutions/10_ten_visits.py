@@ -639,7 +639,7 @@ show(
 )
 
 # %% [markdown]
-# A cross is a goal that wasn't found. This is one life, the worst of four: enough to see the effect, but not to measure it. Here are [thirty lives in ten other buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits), where the library closes loops at the nodes. Lines are 95 % intervals.
+# A cross is a goal that wasn't found. This is one life, the worst of four: enough to see the effect, but not to measure it. Here are [thirty lives in ten other buildings](../tutorial_lib/results/README.md#a-life-of-ten-visits), where the library closes loops at the nodes. Lines are 95% intervals.
 
 # %% hidden=true
 # Thirty lives, from the stored results
@@ -716,7 +716,7 @@ left_over = Prediction(
     "10",
     "left_over",
     "Of the goals that it has never passed, how many does the combined robot find?",
-    {"A": "about 100 %, too", "B": "about 70 %", "C": "about 30 %"},
+    {"A": "about 100%, too", "B": "about 70%", "C": "about 30%"},
     right="B",
     robot=f"of the goals that it passed before, it finds {RACE['combined', '8-10']['passed']:.0%}; of "
     f"the others {missed:.0%}.",

@@ -6,7 +6,7 @@
 
 Works on a copy of the project. A change is *killed* when the tests that belong to it fail, and has
 *survived* when they pass; it is *stale* when its old text does not stand in the file once, and
-*broken* when pytest did not get as far as a test. Ends with 1 when more than 5 % have survived, or
+*broken* when pytest did not get as far as a test. Ends with 1 when more than 5% have survived, or
 any is stale or broken.
 """
 

@@ -27,7 +27,7 @@ def test_in_an_empty_room_the_geodesic_is_nearly_the_straight_line(box):
     straight = np.linalg.norm(points - GOAL, axis=1)
     measured = paths.fields(GOAL, shortest=True).distance(points)
     assert (measured >= straight - 1e-9).all()
-    # Sixteen directions are at most 2.8 % too long, and either end up to 0.07 m off its node.
+    # Sixteen directions are at most 2.8% too long, and either end up to 0.07 m off its node.
     assert (measured <= 1.028 * straight + 0.29).all()
 
 

@@ -64,7 +64,7 @@ def test_noise_has_both_peaks_of_each_mixture_with_their_weights():
     motion, error = np.concatenate(motions), np.concatenate(errors)
     assert motion[:, 2].std() == pytest.approx(np.hypot(0.004, 0.0039), rel=0.03)
     assert motion[:, 0].std() == pytest.approx(0.004, rel=0.03)
-    # 84 % at 1.0 mm and 16 % at 3.8 mm are skewed.
+    # 84% at 1.0 mm and 16% at 3.8 mm are skewed.
     means, weights = np.array([0.0010, 0.0038]), np.array([0.84, 0.16])
     far = means - weights @ means
     assert error.mean() == pytest.approx(weights @ means, rel=0.03)

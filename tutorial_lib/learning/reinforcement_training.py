@@ -57,7 +57,7 @@ class PPOSettings:
         rollout: steps of each robot between two updates.
         batch: frames of a step of Adam.
         epochs: of each update.
-        learning_rate: of Adam; in the last 40 % of the later steps it falls to zero.
+        learning_rate: of Adam; in the last 40% of the later steps it falls to zero.
         discount: of rewards.
         entropy: weight of the policy's entropy.
         divergence: of the policy from that before an update, which ends where it is half as much

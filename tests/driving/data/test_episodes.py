@@ -63,7 +63,7 @@ def test_no_shift_is_wider_than_the_most():
 def test_a_share_of_the_turns_is_wide(share):
     perturbation = Perturbation(turn=0.01, wide_turn=1.0, wide=share)
     turn = perturbation.apply(np.zeros((4000, 3)), np.random.default_rng(0))[:, 2]
-    # Of the wide ones 4 % are smaller than 0.05, and of the others none are larger.
+    # Of the wide ones 4% are smaller than 0.05, and of the others none are larger.
     assert (np.abs(turn) > 0.05).mean() == pytest.approx(0.96 * share, abs=0.03)
 
 

@@ -237,7 +237,7 @@ def test_on_its_own_trajectory_a_target_is_mostly_near_and_ahead(recorded, unshi
     assert -6.0 - frame <= ahead.min() < -3.0
     assert 12.0 < ahead.max() <= 20.0 + frame
     near = (ahead > -1.0 - frame) & (ahead < 4.0 + frame)
-    # 65 % of all, those of the others that fall there, and where a trajectory ends earlier.
+    # 65% of all, those of the others that fall there, and where a trajectory ends earlier.
     assert 0.7 < near.mean() < 0.92
     assert (ahead > 0.5).mean() > 0.6
     assert (ahead > 5.0).mean() > 0.04

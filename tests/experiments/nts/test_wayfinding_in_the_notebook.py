@@ -38,8 +38,8 @@ SENTENCES = [
     f"medium, and {gain('plain', 'hard')} on hard decisions",
     f"the gain is {gain('wayfinding', 'easy')} points, {gain('wayfinding', 'medium')} and "
     f"{gain('wayfinding', 'hard')}:",
-    f"finds the best direction in {top('wayfinding')} % of cases in wayfinding buildings, and in "
-    f"{top('plain')} % in plain ones",
+    f"finds the best direction in {top('wayfinding')}% of cases in wayfinding buildings, and in "
+    f"{top('plain')}% in plain ones",
     f"the goal is worth {worth('plain', 'easy')} to {worth('wayfinding', 'easy')} points, and on "
     f"medium ones {worth('plain', 'medium')} to {worth('wayfinding', 'medium')}:",
     f"with wayfinding accents it is worth {worth('wayfinding', 'hard')} points",

@@ -30,7 +30,7 @@ class Finding:
     Attributes:
         what: it is of, as in "meng - sptm, composed".
         value: of it; None where it is not known.
-        low: lower end of its 95 % interval; None where it has none.
+        low: lower end of its 95% interval; None where it has none.
         high: upper end likewise.
         form: how it is written: a difference of shares as `POINTS`, a share as `SHARE`, another
             difference as `CHANGE`, any other value as `NUMBER` or in `METRES`.

@@ -13,11 +13,11 @@ from tutorial_lib.validation import alike, floats, with_methods
 
 _DRAWS = 4_000
 _FEW_DRAWS = 400  # for measures that take longer than a mean
-_LEVEL = float(2 * ndtr(1.96) - 1)  # 95 %, as z = 1.96 rounds it
+_LEVEL = float(2 * ndtr(1.96) - 1)  # 95%, as z = 1.96 rounds it
 
 
 def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, float]:
-    """Mean of all values and its 95 % interval, bootstrapped over worlds.
+    """Mean of all values and its 95% interval, bootstrapped over worlds.
 
     With only one world, Wilson's interval.
 
@@ -58,7 +58,7 @@ def _bootstrapped(values: Array, units: NDArray[np.intp]) -> tuple[float, float,
 def measured_over_worlds(
     measure: Callable[..., float], worlds: ArrayLike, *columns: ArrayLike
 ) -> tuple[float, float, float]:
-    """`measure` of all columns (N,), and its 95 % interval, bootstrapped over worlds.
+    """`measure` of all columns (N,), and its 95% interval, bootstrapped over worlds.
 
     With only one world its rows are resampled. Resamples in which it is NaN are left out.
 
@@ -85,7 +85,7 @@ def measured_over_worlds(
 def difference(
     first: ArrayLike, second: ArrayLike, worlds: ArrayLike
 ) -> tuple[float, float, float]:
-    """Mean of `first` - `second` on the same episodes (N,) and its 95 % interval.
+    """Mean of `first` - `second` on the same episodes (N,) and its 95% interval.
 
     Bootstrapped over worlds; with only one world, over its episodes.
 
@@ -100,7 +100,7 @@ def difference(
 
 
 def wilson(values: Array) -> tuple[float, float, float]:
-    """Share of successes among `values` (N,), each 0 or 1, and Wilson's 95 % interval."""
+    """Share of successes among `values` (N,), each 0 or 1, and Wilson's 95% interval."""
     values = floats("values", values, ("N",), least=0.0, most=1.0, empty=False)
     test = binomtest(round(float(np.sum(values))), len(values))
     interval = test.proportion_ci(confidence_level=_LEVEL, method="wilson")

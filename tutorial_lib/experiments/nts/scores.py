@@ -94,7 +94,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
                     rows += _rows(key | {"difficulty": difficulty}, subset, worlds[mine])
     notes = [
         f"top1: the chosen direction's end is within {WITHIN} m of the best one's",
-        "gain: of semantic over this score on the same decisions, 95 % intervals over worlds",
+        "gain: of semantic over this score on the same decisions, 95% intervals over worlds",
     ]
     return rows, notes
 

@@ -69,7 +69,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     vertices = np.array([part["vertices"][0] for part in found])
     notes = [
         f"first visits took {visits.mean():.0f} actions; maps have {vertices.mean():.0f} vertices",
-        "gain: of both over this method on the same trials, 95 % intervals over worlds",
+        "gain: of both over this method on the same trials, 95% intervals over worlds",
     ]
     return rows, notes
 

@@ -54,7 +54,7 @@ def brief(value: float) -> str:
 
 
 def interval(row: Row, key: str, low: str = "low", high: str = "high") -> str:
-    """A share and its 95 % interval, without one where all worlds are the same.
+    """A share and its 95% interval, without one where all worlds are the same.
 
     >>> interval({"success": 0.87, "low": 0.8163, "high": 0.9097}, "success")
     '87.0% (81.6 to 91.0)'
@@ -67,7 +67,7 @@ def interval(row: Row, key: str, low: str = "low", high: str = "high") -> str:
 
 
 def number_interval(row: Row, key: str) -> str:
-    """A number and its 95 % interval, which is in columns named after the number's.
+    """A number and its 95% interval, which is in columns named after the number's.
 
     >>> number_interval({"auc": 0.9, "auc_low": 0.88, "auc_high": 0.9123}, "auc")
     '0.900 (0.880 to 0.912)'

@@ -20,7 +20,7 @@ from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacke
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_Z = 1.96  # of a 95 % interval
+_Z = 1.96  # of a 95% interval
 
 
 def probability_bar(low: str = "never", high: str = "always") -> Picture:
@@ -54,7 +54,7 @@ def draw_reliability(
         axis: to draw on.
         predicted: (B,) mean probability of each bin.
         measured: (B,) share of successes.
-        count: (B,) or one number, how many are in a bin; draws Wilson's 95 % intervals if given,
+        count: (B,) or one number, how many are in a bin; draws Wilson's 95% intervals if given,
             none for an empty bin.
         looks: of the line, such as label or color.
     """
@@ -104,7 +104,7 @@ def along_trajectory(
 
 
 def _interval(share: NDArray, count: NDArray) -> tuple[NDArray, NDArray]:
-    """Wilson's 95 % interval of shares (B,) of `count` (B,) or one number."""
+    """Wilson's 95% interval of shares (B,) of `count` (B,) or one number."""
     middle = share + _Z**2 / (2 * count)
     half = _Z * np.sqrt(share * (1 - share) / count + _Z**2 / (4 * count**2))
     return (middle - half) / (1 + _Z**2 / count), (middle + half) / (1 + _Z**2 / count)
