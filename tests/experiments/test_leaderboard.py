@@ -173,7 +173,7 @@ def files():
 def test_there_is_a_short_template_for_every_seam():
     assert set(files()) == {seam.replace(" ", "_") for seam in SEAMS} | {"lifelong_explorer"}
     for name in files():
-        assert (TEMPLATES / f"{name}.py").read_text(encoding="utf-8").count("\n") < 30
+        assert (TEMPLATES / f"{name}.py").read_text(encoding="utf-8").count("\n") < 35
 
 
 @pytest.fixture

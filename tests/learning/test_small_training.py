@@ -46,7 +46,7 @@ def test_the_rate_warms_up_and_decays_as_the_library_s_does():
 def test_it_ends_when_patience_is_used_up_and_keeps_the_best_weights():
     seen = trace(train_network, plan(patience=2), GRADIENTS, [3.0, 1.0, 2.0, 1.0, 0.0])
     assert [entry[0] for entry in seen.history] == [4, 8, 12, 16]
-    np.testing.assert_array_equal(seen.final, seen.best)
+    np.testing.assert_array_equal(seen.final, seen.weights[1])
     moved = [1.0, -1.0, 0.5] - np.array(seen.rates[:8]) @ np.array(seen.gradients[:8])
     np.testing.assert_allclose(seen.final, moved)
 

@@ -69,7 +69,7 @@ def rollout_labels__returns_one_label(times, gaps, touched, geodesic):
 
 
 def rollout_labels__uses_and(times, gaps, touched, geodesic):
-    """not by and, or"""
+    """want single values"""
     return np.array([1.0 if gaps <= 0.3 and not touched else 0.0])
 
 

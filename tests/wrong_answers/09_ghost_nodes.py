@@ -238,7 +238,7 @@ def spl__each_episode(success, shortest, travelled):
 
 
 def spl__python_s_max(success, shortest, travelled):
-    """np.maximum, not max"""
+    """of arrays they are &, |, ~, np.maximum"""
     return np.mean(success * shortest / max(shortest, travelled))
 
 

@@ -64,7 +64,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     words = "of generated worlds; all: in turn, by seed"
     parser.add_argument("--family", choices=(*FAMILIES, "all"), default="", help=words)
     parser.add_argument(
-        "--agent", default="", metavar="FILE.py:CLASS", help="a class of your own, as row custom"
+        "--agent",
+        default="",
+        metavar="FILE.py:CLASS",
+        help="a class of your own, as row custom; leaderboard --template KIND writes one to begin "
+        "with",
     )
     words = "of the robots' wheels; exact: without drift"
     parser.add_argument("--odometry", choices=ODOMETRY, default=DRIFTING, help=words)

@@ -25,7 +25,7 @@ class Trace:
         evaluating: whether the network was in evaluation mode at each.
         tracked: whether gradients were tracked at each.
         final: (G,) the weights in the end.
-        best: (G,) the weights at the best evaluation.
+        weights: (G,) at each evaluation.
         ends_evaluating: whether the network is in evaluation mode in the end.
         history: what the loop returned.
     """
@@ -39,7 +39,7 @@ class Trace:
     evaluating: list[bool] = field(default_factory=list)
     tracked: list[bool] = field(default_factory=list)
     final: Array | None = None
-    best: Array | None = None
+    weights: list[Array] = field(default_factory=list)
     ends_evaluating: bool = False
     history: Any = None
 
@@ -73,7 +73,6 @@ def trace(
     for parameter in network.parameters():  # of an earlier training
         parameter.grad = torch.ones_like(parameter)
     optimizer = torch.optim.SGD(network.parameters(), plan.learning_rate)
-    lowest = [float("inf")]
 
     def draw_batch(step: int) -> tuple[int, Tensor]:
         seen.drawn.append(int(step))
@@ -86,13 +85,12 @@ def trace(
         return (module.pair * wanted[:2]).sum() + (module.single * wanted[2:]).sum()
 
     def validate(module: Network) -> float:
-        loss = float(validation[min(len(seen.evaluated), len(validation) - 1)])
+        loss = validation[min(len(seen.evaluated), len(validation) - 1)]
         seen.evaluated.append(len(seen.rates))
         seen.evaluating.append(not module.training)
         seen.tracked.append(torch.is_grad_enabled())
-        if loss < lowest[0]:
-            lowest[0], seen.best = loss, module.weights()
-        return loss
+        seen.weights.append(module.weights())
+        return float(loss)
 
     def before_update(*_: object) -> None:
         seen.rates.append(float(optimizer.param_groups[0]["lr"]))

@@ -27,6 +27,9 @@ _MEANT = {
     "read-only": _NEW,
     "does not support item assignment": _NEW,
     "cannot assign to field": f"{_NEW}, with dataclasses.replace",
+    "truth value of an array": "if, and, or, not, max and min want single values, and an array "
+    "stands there; of arrays they are &, |, ~, np.maximum and np.minimum",
+    "requires grad": "a tensor with its gradients stands there; loss.item() is its number",
 }
 """What words of Python's own message mean in any exercise."""
 _ANY = "try this case by hand, and print what you have just before that line"
@@ -57,8 +60,8 @@ def explained(
 
 def meant(error: Exception, said: Mapping[str, str] | None = None) -> str:
     """What the words of an error's message mean; empty if that is not known."""
-    known = {**(said or {}), **_MEANT}
-    return next((words for part, words in known.items() if part in str(error)), "")
+    known = [*(said or {}).items(), *_MEANT.items()]
+    return next((words for part, words in known if part in str(error)), "")
 
 
 def stops(error: BaseException) -> str:

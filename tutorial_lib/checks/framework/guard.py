@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
@@ -50,7 +51,8 @@ def limited(judge: Callable[[Any], Any], student: Any) -> Any:  # noqa: ANN401
     """
     main = threading.current_thread() is threading.main_thread()
     clock = _alarm(student) if main and hasattr(signal, "setitimer") else _watchdog()
-    with _output(), _memory(), clock:
+    with _output(), _memory(), clock, warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, of a wrong answer's numbers
         return judge(student)
 
 

@@ -83,13 +83,18 @@ def judge_topics(
             if not words:
                 partly = _partly(given, right, faults, same)
                 words = f"{topic.words} ({difference(got, want, *case)}){partly}"
-            picture = None
-            with suppress(Exception):  # the student's answers may be such that nobody can draw
-                picture = draw(student)
-            raise WrongAnswer(f"{what}: {words}", picture)
+            raise WrongAnswer(f"{what}: {words}", _shown(draw, student, right))
     if aliases:
         raise aliases[0]
     return draw(student)
+
+
+def _shown(draw: Function, student: Function, right: Function) -> NDArray[np.uint8] | None:
+    """The picture of a wrong function; none where it is that of the right one."""
+    with suppress(Exception):  # the student's answers may be such that nobody can draw
+        picture = draw(student)
+        return None if np.array_equal(picture, draw(right)) else picture
+    return None
 
 
 def attempt(what: str, words: str, called: Function, *case: Any) -> Any:  # noqa: ANN401 - whatever students return

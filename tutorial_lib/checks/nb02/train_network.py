@@ -322,9 +322,17 @@ def _keeping(got: Trace, want: Trace) -> str | None:
     """Whether the network ends with the weights of the best evaluation."""
     if not _close(got.final, want.final):
         losses = [entry[2] for entry in want.history]
+        words = (
+            "the network must end with the weights of its best evaluation; the validation losses "
+            f"were {losses}"
+        )
+        equals = [at for at, loss in enumerate(losses) if loss == min(losses)]
+        if any(_close(got.final, got.weights[at]) for at in equals):
+            return f"{words}. Of equals the first counts: < keeps it, <= the last"
+        if not _close(got.final, got.weights[-1]):
+            return f"{words}, and yours ends with others"
         return (
-            f"the network must end with the weights of its best evaluation; the validation losses "
-            f"were {losses}, and the first of equals counts. Keep a copy of network.state_dict(), "
+            f"{words}, and yours ends with those of the last. Keep a copy of network.state_dict(), "
             "as deepcopy makes it: the dict itself goes on changing. And give it back at the end: "
             "network.load_state_dict(...)"
         )

@@ -221,7 +221,8 @@ that is the first place that is hidden; take the last one in sight
     frames[seen][-1] -> frames[-1 if seen.all() else seen.argmin()]
 the place of source itself is no candidate; the first one is source + 1
     source + 1 -> source
-source + 1 is a candidate, too, even if no other is in sight; the first is not source + 2
+source + 1 is a candidate, too, even if no other is in sight: yours gives None then. It begins
+with source + 2, or takes index 0 for False
     source + 1 -> source + 2
 the place of source itself is no candidate, and a target at the source's own frame is its
 own waypoint: target <= source

@@ -12,8 +12,6 @@ from tutorial_lib.geometry import Array
 
 _ONE = "Here an array stands where one number belongs; use numpy's functions, not math's"
 _SAID = {
-    "truth value": "A table of true and false is joined to another by &, | and ~, not by and, or "
-    "and not; and an if wants a single value",
     "0-dimensional": _ONE,
     "length-1": _ONE,
 }

@@ -12,7 +12,6 @@ from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.mapping.vertices import Indices
 
 _SAID = {
-    "truth value": "an if wants one value; here it gets an array",
     "unexpected keyword": "the arguments are given in the order of the docstring",
 }
 """For words of Python's own message, what they mean here."""

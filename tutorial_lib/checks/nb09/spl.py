@@ -109,9 +109,7 @@ check_spl = exercise(
     MISTAKES,
     about="Episodes with and without success, detours, and stops before the path's end.",
     example=_random(5),
-    invoke=calling(
-        {ValueError: "the arguments are arrays, a number for each episode; np.maximum, not max"}
-    ),
+    invoke=calling({ValueError: "the arguments are arrays, a number for each episode"}),
     form=lambda what, got, *_: numbers(what, got, ()),
     same=partial(close, tolerance=1e-6),
     difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",

@@ -5,6 +5,7 @@ import inspect
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from textwrap import shorten
@@ -140,6 +141,16 @@ def _instantiate(where: str) -> Any:  # noqa: ANN401
     known = getattr(module, name, None)
     if known is None:
         raise InputError(f"{file} has no {name}")
+    if not callable(known):
+        raise InputError(f"{name} is {quoted(known)}; give the class itself, or a function")
+    with suppress(ValueError):  # it has no signature, as what is not written in Python
+        try:
+            inspect.signature(known).bind()
+        except TypeError:
+            takes = shorten(str(inspect.signature(known)), 100, placeholder=" ...")
+            raise InputError(
+                f"{name} is made without arguments, but takes {takes}; give them defaults"
+            ) from None
     return known()
 
 
