@@ -549,7 +549,7 @@ for name, rollouts in results.items():
 show(side_by_side(panels, titles, height=400))
 
 # %% [markdown]
-# A car that never reverses must turn round first. That takes 1.6 m of width, and few places in a flat are that wide. This is a fact about the *body*; no network can make up for it.
+# A car that never reverses must turn round first. A U-turn takes 1.6 m of width, and few places in a flat are that wide. Sometimes a loop through the next room would do, but a driver that only reacts doesn't look for one. A better network won't help; a car that may reverse does.
 #
 # ## 5 · Round the corner
 #
@@ -569,7 +569,7 @@ corner = Prediction(
     "corner",
     "Where will the car be after twelve seconds?",
     {
-        "A": "at the target: it takes the door",
+        "A": "at the target: it finds the door",
         "B": "in the hallway, beside the wall",
         "C": "against the first doorpost: it collides",
     },
@@ -635,7 +635,7 @@ def waypoint_label(start, track, source, target, sees):
 waypoint_label = check_waypoint_label.use(waypoint_label)
 
 # %% [markdown]
-# Here are five starts next to a recorded drive. Each is shifted by about 0.3 m and turned by about 9 degrees, so the network also learns from views *off* the trajectory. The target is round the corner.
+# Here are five starts next to a recorded drive. They're shifted at random, by 0.3 m or so, and turned by a few degrees, so the network also learns from views *off* the trajectory. The target is round the corner.
 
 # %% hidden=true
 # Waypoint labels of five starts before a corner
@@ -710,7 +710,7 @@ display(labels)
 #
 # ### How much do two images share?
 #
-# The network also learns the [[mutual overlap]]: how much of each camera's view the other camera sees. Cast 100 rays from one camera; count the points on walls that lie in the other camera's view, with nothing in between. Here one camera stands 1.5 m behind the other.
+# The network also learns the [[mutual overlap]]: how much of each camera's view the other camera sees. Cast 100 rays from one camera; count the points on walls that lie in the other camera's view, with nothing in between. Here one camera stands 1.5 m behind the other. Orange rays end where the other camera looks, too; grey ones don't.
 
 # %% hidden=true
 # What the rear and the front camera see of each other's view
@@ -853,8 +853,8 @@ columns = Prediction(
     "In which table has the car turned 25° to the left?",
     {"A": "table A", "B": "table B", "C": "table C"},
     right="C",
-    robot="it reads the turn off the line's place, and the distance off its slope: a car farther "
-    "back sees the target's image squeezed into the middle of its own.",
+    robot="when the car turns, the line of dots moves sideways and keeps its slope. In A it's "
+    "steeper: from farther back, the target's image is squeezed into the middle of the car's own.",
     tempting="B",
     because="what the car sees moves to the right, and that line lies to the right. But the car's "
     "own image runs down the side of the table: its right edge is at the bottom.",
@@ -868,7 +868,7 @@ columns = Prediction(
 display(columns)
 
 # %% [markdown]
-# Rows without a dot show what isn't in the other image. A plain wall gives a pale smear, since one piece of it looks like the next. Repeated furniture gives a second line, and a chance of a wrong match.
+# Rows without a dot show what isn't in the other image; a softmax matches them all the same. A plain wall gives a pale smear, since one piece of it looks like the next. Repeated furniture gives a second line, and a chance of a wrong match.
 #
 # Is matching worth it? We trained four encoders the same way, for a few minutes each: this one, a small copy of the paper's, and the two that the paper found worse. This one reaches [far more targets](../tutorial_lib/results/README.md#table-i-ablations); nobody has measured whether the paper's would catch up at full size.
 #
@@ -998,7 +998,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now your loop trains the network for about 10 s: 400 steps of 64 pairs. Watch the validation loss. It doesn't fall far in so few steps, and never to 0: even a perfect network's is about 1, since the error used for an overlap between 0 and 1 can't get to 0. The training loss, printed afterwards, is larger: it includes the fourth error.
+# Now your loop trains the network for about 10 s: 400 steps of 64 pairs. Watch the validation loss. It doesn't fall far in so few steps, and never to 0: even a perfect network's is about 1, since the error of an overlap between 0 and 1 never gets to 0, however good the prediction. The training loss, printed afterwards, is larger: it includes the fourth error.
 
 # %%
 training_pairs = Source(
@@ -1095,7 +1095,7 @@ for name, network in (("your 400 steps", learnt), ("pretrained, k = 2", pretrain
 
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
-# Some of it is useless elsewhere: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why so little data goes so far. What 120 worlds add is precision, and practice with colours, turns and hidden targets that one flat doesn't have.
+# Some of it is useless elsewhere: what these rooms look like. But a column that reappears farther left means the same in every building, and to find it the network only compares colours. That's why so little data goes so far, and why the number of training worlds matters little. The pretrained network has a context, and trained for much longer.
 # </details>
 #
 # ## 9 · The photo at the door
@@ -1257,14 +1257,14 @@ def case_picture(case, drawn):
 wont = Prediction(
     "02",
     "wont",
-    "In two of these the robot arrives. In which doesn't it?",
+    "In two of these the robot arrives. In which one does it fail?",
     {"A": "pair A", "B": "pair B", "C": "pair C"},
     right="B",
     robot=f"it sets off all three times, as sure as ever. In B it comes no closer than "
     f"{three[1]['near']:.1f} m, and drives until its time is up.",
     tempting="A",
     because="that photo was taken behind the car. But the two images have walls in common, and so "
-    "it knows to back up. In B there's nothing to match.",
+    "it knows to back up. In B they share a strip at the very edge, at most.",
     before=side_by_side([case_picture(case, False) for case in three], ["A", "B", "C"], gap=10),
     after=side_by_side([case_picture(case, True) for case in three], ["A", "B", "C"], gap=10),
 )
@@ -1290,7 +1290,7 @@ table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# Where the images hardly overlap there's nothing to match, and the network guesses from what rooms usually look like. A target behind the car does no harm, and a tight place little: the driver can reverse, and its laser keeps it off walls. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
+# Where the images hardly overlap there's little to match, and the network guesses from what rooms usually look like. A target behind the car does no harm: the driver can reverse. Most of the other failures are in tight places: the laser keeps the car off the walls there, but the car may run out of time. Hidden targets are too rare here to judge. The conditions seldom occur alone, and 200 episodes are few.
 # </details>
 #
 # ## 11 · Beside the paper
@@ -1338,7 +1338,7 @@ show(from_figure(figure))
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. In open loop, errors would add up, as the odometry's did in notebook 01.
 # </details>
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# Our images are simpler than those of scanned buildings, which helps. But they have 16 rows, not 64, the networks are small, and our car is larger relative to its world: its tightest circle is 1.24 m wide, and 0.9 m in the authors' code. Their direct controller imitates acceleration and steering velocity and has k = 0; ours imitates speed and steering, and has k = 2. Our $\mathcal C$ averages its waypoints; theirs doesn't, nor does yours.
+# Our images are simpler than those of scanned buildings, which helps. But they have 16 rows, not 64, the networks are small, and our car is larger relative to its world: its tightest circle is 1.24 m wide, and 0.9 m in the authors' code. Their direct controller imitates acceleration and steering velocity and has k = 0; ours imitates speed and steering, and has k = 2. Our $\mathcal C$ averages its waypoints; theirs doesn't, and neither does the one you drove with here.
 # </details>
 #
 # **Close the notebook and draw the pipeline**, with your function names: from two images to the wheels.
@@ -1353,7 +1353,7 @@ show(from_figure(figure))
 # <details><summary>Extras, if you like</summary>
 # Draw the blocks of section 8 with <code>vary=True</code>, which changes the colours at random, and train again: what do you gain elsewhere, and what does it cost?
 #
-# <code>DirectNetwork("direct_k2")</code> from <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>TargetPolicy(direct, targets_of(direct, forty))</code> drives with it. In which episodes does it fail, though waypoints get the car there?
+# <code>DirectNetwork("direct_k2")</code> from <code>tutorial_lib.learning</code> predicts speed and steering directly; <code>run(lambda simulation: TargetPolicy(direct, targets_of(direct, forty)), forty)</code> drives with it. In which episodes does it fail, though waypoints get the car there?
 #
 # Give the car of section 3 a damping of 1.0 instead of 3.0. What does it do at the door? How would a policy keep a car from driving faster than it can see?
 #

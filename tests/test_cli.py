@@ -508,14 +508,17 @@ runpy.run_module("tutorial_lib", run_name="__main__")
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")
 @pytest.mark.parametrize(
-    ("what", "arguments"),
+    ("what", "arguments", "ends_it"),
     [
-        ("navigation_demo.agents.meng", []),
-        pytest.param("RolloutFilm.__getitem__", ["--oracle"], marks=pytest.mark.full),
+        ("navigation_demo.agents.meng", [], signal.SIGINT),
+        ("navigation_demo.agents.meng", [], signal.SIGTERM),
+        ("RolloutFilm.__getitem__", ["--oracle"], signal.SIGINT),
     ],
 )
 @pytest.mark.full
-def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, tmp_path_factory, what, arguments):
+def test_an_interrupted_demo_leaves_nothing_behind(
+    tmp_path, tmp_path_factory, what, arguments, ends_it
+):
     script = INTERRUPTED.format(what=what)
     hall = save_hall(tmp_path_factory.mktemp("hall"))
     with subprocess.Popen(
@@ -528,12 +531,13 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, tmp_path_factory, w
         try:
             assert select.select([running.stdout], [], [], 120)[0]
             assert b"at work\n" in iter(running.stdout.readline, b"")
-            running.send_signal(signal.SIGINT)
+            running.send_signal(ends_it)
             _, error = running.communicate(timeout=60)
         finally:
             running.kill()
     assert running.returncode == 130
-    assert error == b"interrupted; nothing half-written was left\n"
+    words = b"interrupted; no file is half-written, and long work goes on when it is run again"
+    assert error == words + b"\n"
     assert list(tmp_path.iterdir()) == []
 
 

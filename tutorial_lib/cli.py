@@ -7,6 +7,7 @@ import argparse
 import os
 import re
 import select
+import signal
 import sys
 import warnings
 from collections.abc import Iterator
@@ -50,6 +51,8 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else arguments
     if not is_checkout():  # nothing is written beside an installed library
         os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder() / "numba"))
+    with suppress(ValueError):  # not in a thread
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C, workers and all
     try:
         with _notices_as_lines():
             code = _run(arguments)
@@ -76,7 +79,10 @@ def _run(arguments: list[str]) -> int:
         print(f"error: {error}; check the folder and the disk space", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        print("interrupted; nothing half-written was left", file=sys.stderr)
+        print(
+            "interrupted; no file is half-written, and long work goes on when it is run again",
+            file=sys.stderr,
+        )
         return INTERRUPTED
     except Exception as error:
         if not (isinstance(error, MemoryError) or _NO_ROOM.search(str(error))):

@@ -112,6 +112,8 @@ def for_each(
         for number, item in enumerate(items)
         if number not in found
     ]
+    if found:
+        print(f"{label}: {len(found)} of {len(items)} were finished before", file=sys.stderr)
     run_all = Parallel(n_jobs=jobs, return_as="generator_unordered")
     with warnings.catch_warnings():
         # That is intended, and the piece of work that waits is given to the next worker. One that
