@@ -7,7 +7,7 @@ from typing import Any, SupportsFloat
 import numpy as np
 
 from tutorial_lib.checks.engine import WrongAnswer, keeping, kind
-from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.framework.explanation import Hints, explained
 
 _HINTS: dict[type[Exception], str] = {
     KeyError: "a dictionary has no such key; ask with in, or with .get(key, something)",
@@ -19,7 +19,7 @@ _INNER = "the copy shares its inner dictionaries with the map; copy those, too"
 
 def untouched(
     right: Callable[..., Any],
-    hints: Mapping[type[Exception], str] | None = None,
+    hints: Hints | None = None,
     apart: str = "",
 ) -> Callable[..., Any]:
     """A way to call a student's function, which must change no argument; see `keeping`."""
@@ -30,7 +30,7 @@ def untouched(
 def explaining(
     what: str,
     student: Callable[[], Any],
-    hints: Mapping[type[Exception], str] | None = None,
+    hints: Hints | None = None,
     said: Mapping[str, str] | None = None,
 ) -> Any:  # noqa: ANN401
     """A student's answer.

@@ -185,8 +185,8 @@ def _broken(got: Graph, want: Graph, graph: Graph, *_: Any) -> str:  # noqa: ANN
         return "the new graph has the vertices of the map, HERE and GOAL, and no others"
     if any(got[v].keys() != out.keys() for v, out in want.items()):
         return (
-            "an edge from HERE, or to GOAL, is there where RE is above its threshold, and its "
-            "vertex on the map (or HERE, in to_goals)"
+            "an edge from HERE or to GOAL needs an RE above its threshold, and a vertex that is on "
+            "the map (or HERE, in to_goals)"
         )
     return "a new edge holds RE as it is, the greatest of all goal images"
 

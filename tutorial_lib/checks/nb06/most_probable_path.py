@@ -64,6 +64,7 @@ CASES = {
     "edges that are sure": case(_SURE, 0, 3),
     "a better path found late": case(_LATE, 0, 4),
     "30 vertices": case(random_graph(30, 3, 1), 0, 29),
+    "30 other vertices": case(random_graph(30, 3, 40), 0, 29),
     "60 vertices": case(random_graph(60, 4, 2), 5, 17),
     "40 vertices": case(random_graph(40, 6, 8), 3, 30),
     "start and goal are one": case(_LINE, 2, 2),
@@ -121,6 +122,11 @@ that is the path whose weakest edge is strongest; all edges must hold: add, do n
     math.prod(steps) -> math.exp(-least[goal])
 where start and goal are the same vertex, the path is that vertex, with probability 1
     if not path -> if start == goal or not path
+a heap is in order for heapq only, which takes its least with heapq.heappop(heap); heap.pop(0)
+breaks the order of what is left
+    heapq.heappop(heap) -> heap.pop(0)
+what is appended stands in no order: heapq.heappush(heap, (length, vertex)) keeps the heap
+    heapq.heappush(heap, (through, count, other)) -> heap.append((through, count, other))
 where no path leads to the goal, the probability is 0.0
     return [], 0.0 -> return [], 1.0
 the path is right, but with base 10: take math.log and math.exp
@@ -227,6 +233,7 @@ def probability_of(graph: Graph, path: list[Vertex]) -> float:
     return math.prod(graph[v][w] for v, w in pairwise(path))
 
 
+_SWAPPED = "in the heap there are pairs (length, vertex), the length first"
 _graph = lru_cache(maxsize=64)(partial(graph_picture, BY_HAND))
 
 
@@ -241,11 +248,11 @@ def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex)
     unreachable = "a goal that cannot be reached has no predecessor; return [], 0.0"
     usual = "each vertex needs a length and a predecessor before they are looked up; the start has "
     words = usual + "no predecessor" if most_probable_path(graph, *ends)[0] else unreachable
-    hints: dict[type[Exception], str] = {
-        KeyError: words,
+    hints: dict[type[Exception], str | Callable[[Any], str]] = {
+        KeyError: lambda error: _SWAPPED if isinstance(error.args[0], float) else words,
         IndexError: words,
         ValueError: "every RE is above 0, and every path has a vertex; what is it that has none?",
-        TypeError: "in the heap there are pairs (length, vertex), the length first",
+        TypeError: _SWAPPED,
     }
     got = explaining(what, partial(student, given, *ends), hints)
     if given != graph:

@@ -233,7 +233,9 @@ def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noq
     common = next(
         (i for i, pair in enumerate(zip(mine, right, strict=False)) if len({*pair}) > 1), None
     )
-    if common is not None and mine[common][0] == right[common][0]:
+    looks = sum(call[0] == "look" for call in right[:common])
+    planned = common is not None and got[1][:looks] == want[1][:looks]
+    if common is not None and (not planned or mine[common][0] == right[common][0]):
         return (
             "follow the path that decide returned in this search; it plans on the map without all "
             "that was excluded so far, after every loss"
@@ -273,11 +275,11 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
         return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}: {why}"
     if len(got[3]) != len(want[3]):
         longer = len(got[3]) > len(want[3])
-        more, rest = ("goes on", got[3]) if longer else (f"ends with {got[0]!r}", want[3])
         least = min(len(got[3]), len(want[3]))
-        mine, right = (f"after {number_of(count, 'call')}" for count in (least, len(want[3])))
-        end = f"the right end is {want[0]!r}, {right}"
-        return f"{mine} yours {more}, with {rest[least][0]} to come; {end}"
+        after, right = (f"after {number_of(count, 'call')}" for count in (least, len(want[3])))
+        ends = f"goes on, and calls {got[3][least][0]}" if longer else f"ends with {got[0]!r}"
+        due = "" if longer else f", but {want[3][least][0]} is due"
+        return f"{after} yours {ends}{due}; the right end is {want[0]!r}, {right}"
     if got[0] != want[0]:
         return f"the ending is {want[0]!r}, not {got[0]!r}"
     if got[2] != want[2]:
