@@ -3,7 +3,7 @@
 #
 # **Two cars.** Yesterday your robot set off for a photo beyond the door, and got stuck in the corner. It had no idea that it would.
 #
-# Here are two cars in your living room: same distance from the target, same heading, same photo, same controller. One arrives practically every time, the other about one time in six. *Which one would you bet on?*
+# Here are two cars in your living room: same distance from the target, same heading, same photo, same controller. One arrives practically every time, the other about one time in seven. *Which one would you bet on?*
 #
 # The cars can't tell. Today you teach a network to say, before the wheels turn, "I'd make that nine times in ten". Then you check whether it really is nine in ten, and catch the network being sure and wrong.
 
@@ -208,7 +208,7 @@ bet = Prediction(
 display(bet)
 
 # %% [markdown]
-# **120 minutes, then 40.** Take a break after section 4. The second sitting begins with section 7. You need notebook 02's [[controller]] $\mathcal C$, which drives to the place shown in an image: $\mathcal C_{WP}$ predicts a waypoint, and $\mathcal C_{RMP}$ drives there. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
+# **120 minutes, then 40.** Take a break after section 4; the second sitting begins with section 7. You need notebook 02's [[controller]] $\mathcal C$, which drives to the place shown in an image: $\mathcal C_{WP}$ predicts a waypoint, and $\mathcal C_{RMP}$ drives there. Until your function passes its check, the cells below use the library's; from then on **they use yours**. You can skip folded code. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020.
 #
 # **Three old questions first.**
 #
@@ -230,7 +230,7 @@ display(bet)
 #
 # A network that predicts this probability is a **[[reachability estimator]]**, RE. There's no distance in this formula, and RE belongs to *this* controller.
 #
-# In a simulator you can simply try it. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *arriving* means getting within 0.30 m of the target, in time and without a collision.
+# In a simulator you can simply try it. Here's a target beyond a door, and a grid of starts around it, *all with the target's heading*. The circles have radii of 1 m and 2 m. A car drives from every start, and *arriving* means getting within 0.30 m of the target, in time (section 2 says what that is) and without a collision.
 
 # %% hidden=true
 # From where does the car get through the door? (about 5 s)
@@ -309,12 +309,12 @@ fan = Prediction(
 display(fan)
 
 # %% [markdown]
-# Here are the outcomes for this target and this morning's. Beside them is what RE predicted *beforehand*, from images alone.
+# Here are the outcomes for this target, and for that of the two cars on the first screen. Beside them is what RE predicted *beforehand*, from images alone.
 
 # %% hidden=true
 # Outcome and prediction
 asked = reachability.calibration(all_logits(reachability, recorded, two.starts, two.targets))
-print(f"RE of this morning's two cars: A {asked[0]:.2f}, B {asked[1]:.2f}")
+print(f"RE of the first screen's two cars: A {asked[0]:.2f}, B {asked[1]:.2f}")
 rows = []
 for name, target in TARGETS.items():
     maps = [map_around(target, grids[name], v) for v in (arrived[name], probabilities[name])]
@@ -352,7 +352,7 @@ headings = {"": "", **{f"{low} to {high} m": "" for low, high in rings}}
 table(headings, lines, caption=caption)
 
 # %% [markdown]
-# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the order right. But for targets beside the car, or behind a wall, it's too optimistic. And this morning's two cars? The line above the maps says that B won't make it.
+# Read the table down a column: the distance is the same, the outcome isn't. A target ahead is easy. One behind is reached in reverse. Among visible targets, those *beside* the car are the hardest. RE gets the order right. But for targets beside the car, or behind a wall, it's too optimistic. And the first screen's two cars? The line above the maps says that B won't make it.
 #
 # ### What keeps car B away?
 #
@@ -390,7 +390,7 @@ stops = Prediction(
     "03",
     "stops",
     "What keeps car B from its target?",
-    {"A": "its wheels: a car can't go sideways", "B": "its eyes: they send it elsewhere"},
+    {"A": "its wheels: a car can't go sideways", "B": "its eyes: its waypoints miss the target"},
     right="B",
     robot=f"with the same wheels and in the same time, a car that knows the target's position "
     f"arrives from {counts['knows the position']} starts around it; ours, with its eyes, from "
@@ -464,7 +464,7 @@ def rollout_labels(times, gaps, touched, geodesic):
     from each car to its target. touched: (T, N) whether a car touches
     something at that moment. geodesic: (N,) metres of the shortest path. Near
     is at most 0.30 m; in time is at most geodesic / 0.3 + 5 seconds; a touch
-    at the very moment of arrival counts.
+    at the very moment of arrival spoils it.
     Returns an array of labels (N,), 1 or 0.
     """
     ### BEGIN SOLUTION
@@ -742,9 +742,9 @@ new_house = Prediction(
         "C": "above it everywhere",
     },
     right="B",
-    robot=f"it says more than 0.99 for {np.mean(ring[0] > 0.99):.0%} of the pairs there, nearly as "
-    f"often as at home, and less than 0.1 for {np.mean(ring[0] < 0.1):.0%}, of which "
-    f"{ring[1][ring[0] < 0.1].mean():.0%} arrive.",
+    robot=f"it says more than 0.99 for {np.mean(ring[0] > 0.99):.0%} of the pairs there, as "
+    f"often as at home, and less than 0.1 for {np.sum(ring[0] < 0.1)} of {len(ring[0])}, of which "
+    f"{ring[1][ring[0] < 0.1].sum():.0f} arrive.",
     tempting="A",
     because="the loss is proper, and very small. But it's small because the network knows its 300 "
     "rollouts by heart.",
@@ -842,7 +842,7 @@ show(from_figure(figure))
 # With 150 rollouts, even exact probabilities wouldn't lie on the diagonal. **Differences of a few points mean nothing**, here and in every table of this course that rests on so few.
 #
 # <details><summary>Why doesn't a temperature help the library's network?</summary>
-# Its T is near 1, so its first two curves coincide. The network is too modest, not too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
+# Its T is near 1, so its first two curves coincide. On these pairs as a whole, the network is too modest rather than too sure: hard pairs joined the last part of its training (section 5). A temperature only moves predictions away from one half or towards it, and here those near one half have to move up, too. The isotonic function can do that.
 # </details>
 # <details><summary>In section 1 the calibrated RE was too optimistic for targets beside the car. Is it calibrated?</summary>
 # It is, <i>for pairs like those used for calibration</i>. The grid's pairs are of another kind. Before you trust a probability, ask on which pairs it was calibrated, and whether yours are like them.
@@ -940,7 +940,7 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # 1. **Easy pairs**: every pair that already has a label. Each has weight 1.
 # 2. **[[Hard negative]]s**: of the unlabelled pairs that are far and occluded (`occluded`), those with a prediction above `sure`, highest first: at most `most` of them, and at most `each` with the same start image, or a single odd place would fill the list. A pair that's left out because its start already has enough doesn't count towards `most`. The label is 0, without a rollout.
 # 3. **Confident pairs**: of the other unlabelled pairs, near ones behind a wall included, those with a prediction above `sure`: as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They're rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts take time, so roll out no other pair, and none twice.
-# 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Together they make up `share` of the total weight, easy pairs included.
+# 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same. Their weights add up to the fraction `share` of the whole set's.
 #
 # ### Exercise 5 · `mine_pairs` (large, 35 minutes)
 #
@@ -1075,7 +1075,7 @@ words = f"the office: {office.far_and_occluded.sum():,} far, occluded pairs, and
 table(headings, lines, best, words)
 
 # %% [markdown]
-# The second network is sure of far fewer look-alikes, in a building it has never seen, and ranks the ordinary pairs a little worse. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
+# The second network is sure of far fewer look-alikes, in a building it has never seen, and pays for it on the ordinary pairs: it ranks them a little worse, and its log loss is higher. Sixty hard negatives don't make it immune: the library's network has seen tens of thousands of mined pairs.
 #
 # So *is it calibrated?* has two answers: one for pairs like those of exercise 1, one for *the pairs that a map would choose*. Measure the second, too, with the library's RE: of all pairs in your flat that aren't neighbours on one trajectory, take some with RE > 0.9, roll them out, and count arrivals.
 
@@ -1084,7 +1084,7 @@ table(headings, lines, best, words)
 same = recorded.first[rows] == recorded.first[columns]
 neighbours = same & (np.abs(recorded.arc[rows] - recorded.arc[columns]) < 3.0)
 chosen = np.flatnonzero((probability > 0.9) & ~neighbours)
-chosen = np.sort(np.random.default_rng(0).permutation(chosen)[:40])
+chosen = np.sort(np.random.default_rng(0).permutation(chosen)[:240])
 edges = queries.subset(chosen)
 arrived_there = roll_out(recorded, edges)[0].reached
 print(f"{len(edges)} pairs with RE > 0.9, not neighbours:")
@@ -1098,7 +1098,7 @@ if sure.any():
 #
 # ## 6 · Your own sixty
 #
-# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool, and their outcomes become labels. Together, these pairs weigh as much as the mined ones of exercise 5, and a network is trained on them and the 300. All that happens five times, each with a new `rng` and new initial weights: one lucky draw proves nothing. The networks are judged in the office and in the ring of corridors, which aren't in the pool: 300 ordinary rollouts count one half, all far, occluded pairs the other.
+# **An open task.** The quick network has 300 rollouts. You may label 60 more pairs. Which? `my_pairs` chooses them from the pool, and their outcomes become labels. Together, these pairs weigh as much as the mined ones of exercise 5, and a network is trained on them and the 300. All that happens five times, each with a new `rng` and new initial weights: one lucky draw proves nothing, and even the means of five move by a few points. The networks are judged in the office and in the ring of corridors, which aren't in the pool: 300 ordinary rollouts count one half, all far, occluded pairs the other.
 #
 # The **score** is the share of the squared error that a network removes, in percent: 0 means it always predicts the average, 100 that it's always right. Below 0 is worse than no network at all. There are three baselines to beat: the 300 rollouts alone, 60 more pairs drawn at random, and the 60 look-alikes that the quick network is surest of. We don't know the best answer. Here's what you know about the P pairs of the pool:
 #
@@ -1171,7 +1171,10 @@ def score_pairs(choose):
     """Of five choices how many arrive, far pairs above one half, AUC, and the score; means."""
     found = []
     for seed in range(5):
-        picked = np.unique(np.asarray(choose(pool, np.random.default_rng(seed)), dtype=int))
+        picked = np.asarray(choose(pool, np.random.default_rng(seed)))
+        if picked.dtype == bool:
+            raise ValueError("a mask of true and false; return indices, np.flatnonzero(mask)")
+        picked = np.unique(picked.astype(int))
         if len(picked) > 60:
             raise ValueError(f"{len(picked)} pairs; choose at most 60")
         picked = easy + picked
@@ -1217,7 +1220,7 @@ else:
 # %% [markdown]
 # <details><summary>Two good choices, quite different; enter yours first</summary>
 # <i>Look-alikes that fool the network, at random</i>: <code>rng.permutation(np.flatnonzero(pool.occluded & (pool.predicted > 0.5)))[:60]</code>. This choice leads clearly: each of these pairs corrects the network, and they don't all resemble one another as the surest do.<br>
-# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too: no place is shown twice. Random far pairs do better than the baseline's look-alikes. Sixty near pairs score far lower, and so do the sixty most doubtful, those nearest one half among all pairs: neither choice says much about look-alikes.
+# <i>One from each place</i>: draw 60 start images at random, and for each take the far, occluded pair with the highest prediction. It leads, too, but no more than far, occluded pairs at random do; the baseline's look-alikes resemble one another too much. The sixty most doubtful, those nearest one half among all pairs, are about as good as sixty at random. Sixty near pairs score far lower: they say nothing about look-alikes.
 # </details>
 #
 # ## 7 · Slide the target along a trajectory
@@ -1288,7 +1291,7 @@ sliders(
 )
 
 # %% [markdown]
-# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes through a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. Notebook 04 builds on this curve: as long as RE stays high for *all* targets up to an image, you can drop the images in between.
+# RE stays high as long as the target, or the path to it, can be seen; it falls where the trajectory turns a corner or passes through a door. Turn the car, and many targets that were certain become doubtful: reachability belongs to a *pose*, not to a position. But many squares disagree: beyond the door, the car arrives far more often than RE expects. One drive is an anecdote; section 8 has more pairs. Notebook 04 builds on this curve: as long as RE stays high for *all* targets up to an image, you can drop the images in between.
 #
 # ## 8 · How it fails
 #
@@ -1340,7 +1343,7 @@ def case_picture(case):
     above = side_by_side([closeup(plan, picture, corners, 0.8, square=True)], height=300)
     images = people_camera.look(building["recorded"].scene, np.array([start, goal]))[0]
     ending = "arrived" if case["label"] else f"no nearer than {case['closest']:.2f} m"
-    special = [key for key, has in case["traits"].items() if has] or ["nothing special"]
+    special = [key for key, has in case["traits"].items() if has] or ["none of the traits below"]
     titles = [f"RE {case['predicted']:.2f}: {ending}", ", ".join(special)]
     return stacked([above, pictured_pair(*images, 300)], titles, gap=4)
 
@@ -1366,7 +1369,7 @@ lines = [
 table({"what could mislead RE": "", "pairs": "d", "RE's mean": ".2f", "arrive": ".2f"}, lines)
 
 # %% [markdown]
-# RE follows the outcome from row to row: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. With a wall between car and target, it's far too optimistic: the two views overlap round a corner, and the path is longer than it seems. Training on more such pairs would help. No network can learn what neither image shows; and where a car just misses the target, a few centimetres decide, and the right prediction is neither 0 nor 1.
+# RE follows the outcome from row to row: it has learnt that a target is harder behind or beside the car, with little overlap, or turned away. With a wall between car and target, it's far too optimistic in these 25 pairs: the two views overlap round a corner, and the path is longer than it seems. On your drive through the door it was too modest. Training on more such pairs would help. No network can learn what neither image shows; and where a car just misses the target, a few centimetres decide, and the right prediction is neither 0 nor 1.
 #
 # ### Find the bug
 #
@@ -1408,7 +1411,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# RE isn't a distance. From A to B the car drives forwards and sees where it's going; from B to A it would have to reverse towards what it doesn't see. So $\mathcal{RE}(a, b) \ne \mathcal{RE}(b, a)$, and a map's edges are <i>directed</i>. In the colleague's table every edge works both ways. Nothing crashes; the robot just plans paths on which it must reverse for metres.
+# RE isn't a distance. From $a$ to $b$ the car drives forwards and sees where it's going; from $b$ to $a$ it would have to reverse towards what it doesn't see. So $\mathcal{RE}(a, b) \ne \mathcal{RE}(b, a)$, and a map's edges are <i>directed</i>. In the colleague's table every edge works both ways. Nothing crashes; the robot just plans paths on which it must reverse for metres.
 # </details>
 #
 # ## 9 · Twenty worlds that nobody has seen
@@ -1433,7 +1436,7 @@ axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 show(from_figure(figure))
 
 # %% [markdown]
-# More context makes RE more accurate, and no RE beats geometry; the [results page](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, including those for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, though the second place is behind the car. Calibration could fix their values, but not their ranking.
+# More context makes RE more accurate, and no RE ranks pairs better than geometry does (by AUC); the [results page](../tutorial_lib/results/README.md#calibration-of-reachability) has the numbers, including those for look-alikes. Image and sptm answer another question: two images can be alike, or close in time, though the second place is behind the car. Calibration could fix their values, but not their ranking.
 #
 # *Precision*, the share of accepted pairs that arrive, depends on the estimator *and* on the kind of pairs. For neighbouring images of one drive it's nearly 1; for all pairs of a building it's lower.
 #

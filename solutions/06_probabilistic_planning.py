@@ -1050,7 +1050,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good rules, quite different; enter yours first</summary>
-# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and that's where most plans break. We chose the numbers on the sixteen robots you studied; the others test them.
+# <i>Trust only very sure plans.</i> Refuse below 0.96. The break-even of 0.75 would hold for true probabilities, and these aren't; section 9 shows why. <i>Trust short plans with sure ends.</i> Start if the first and the last hop are both above 0.99 and there are at most nine hops. The ends rest on single views, and many plans break there. We chose the numbers on the sixteen robots you studied; the others test them.
 # </details>
 #
 # ## 7 · A lie in the map
@@ -1506,7 +1506,7 @@ play(frames, 2, robot.seconds, count=3, strip=[frame[:518, :518] for frame in fr
 #
 # ## 9 · What a plan's number is worth
 #
-# In the challenge, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's the figure's twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows the plans after a calibration like notebook 03's, fitted on other worlds.
+# In the open task, plans that promised 0.9 kept failing. The paper compares promises with arrivals (Fig. 9): "path probability strongly corresponds to empirical success rate" (IV-C.2). Here's the figure's twin. Robots start anywhere, and neither replan nor refuse; all bins hold equal numbers of plans. The right panel shows the plans after a calibration like notebook 03's, fitted on other worlds. *Spearman* is the correlation of the two orders: 1 where more probable bins always arrive more often.
 
 # %% hidden=true
 # The twin of Fig. 9, from a stored run
@@ -1521,7 +1521,7 @@ for axis, calibrated in zip(axes, (False, True), strict=True):
         axis.plot(x, row["success"], "o", color=colours.unit(colours.ROBOT))
     low = min(0.5, *(row["probability"] for row in rows), *(row["low"] for row in rows)) - 0.03
     axis.set(xlabel="probability of the plan", xlim=(low, 1.01), ylim=(low, 1.01))
-    axis.set_title("after calibration" if calibrated else "the product of RE")
+    axis.set_title("recalibrated" if calibrated else "the product of RE")
 axes[0].set_ylabel("arrived")
 trials = sum(row["trials"] for row in fig9.rows if not row["calibrated"])
 print(f"{len(fig9.worlds)} worlds, {trials} trials")

@@ -36,7 +36,7 @@ def rollout_labels__right_with_sums(times, gaps, touched, geodesic):
 
 
 def rollout_labels__cuts_the_quotient(times, gaps, touched, geodesic):
-    """has the label 1, not 0: it is within 0.30 m first at 6.336 s"""
+    """has the label 1, not 0: it first comes within 0.30 m at 6.336 s"""
     in_time = times[:, None] <= geodesic // 0.3 + 5
     return _float((gaps <= 0.3) & _clean(touched) & in_time)
 
@@ -343,7 +343,7 @@ def reliability_diagram__returns_lists(predicted, came_true, bins):
 
 
 def reliability_diagram__returns_gaps_for_the_ece(predicted, came_true, bins):
-    """third: an array of shape (10,) came back"""
+    """ECE: an array of shape (10,) came back"""
     said, found, _ = reliability_diagram__right_by_reshaping(predicted, came_true, bins)
     return said, found, np.abs(said - found)
 

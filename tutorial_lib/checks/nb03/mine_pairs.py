@@ -187,15 +187,15 @@ def _answer(
             raise WrongAnswer(f"{what}: your function changes {name}; make a new array")
     words = "return three arrays of one length: pairs, labels, weights"
     first, second, third = parts(what, got, 3, words)
-    count = len(first) if isinstance(first, np.ndarray) and first.ndim == 1 else 0
-    pairs = vector(f"{what}, first", first, count, "the indices of the pairs")
+    count = len(first) if isinstance(first, np.ndarray | list | tuple) else 0
+    pairs = vector(f"{what}, pairs", first, count, "the indices of the pairs")
     if (pairs != pairs.round()).any() or not ((pairs >= 0) & (pairs < len(pool.labels))).all():
-        raise WrongAnswer(f"{what}, first: return indices of pairs, from 0 to P - 1")
+        raise WrongAnswer(f"{what}, pairs: return indices of pairs, from 0 to P - 1")
     if first.dtype.kind not in "iu":
         words = "return whole numbers, so that they can be used as indices"
-        raise WrongAnswer(f"{what}, first: the pairs are {first.dtype}; {words}")
-    second = vector(f"{what}, second", second, count, "a label for each pair")
-    third = vector(f"{what}, third", third, count, "a weight for each pair")
+        raise WrongAnswer(f"{what}, pairs: the pairs are {first.dtype}; {words}")
+    second = vector(f"{what}, labels", second, count, "a label for each pair")
+    third = vector(f"{what}, weights", third, count, "a weight for each pair")
     return rollouts, (pairs.astype(np.intp), second, third)
 
 

@@ -66,21 +66,24 @@ _HINTS: dict[type[Exception], str] = {
 @check(reliability_diagram, (*_random(2000, 8), 10))
 def check_reliability_diagram(student: Callable[..., Any]) -> None:
     """Few and many predictions, most of them near 1, in bins that come out even or not."""
-    invoke, words = calling(_HINTS), "return three things: predicted, measured, ece"
+    invoke, words = (
+        calling(_HINTS),
+        "return three things: mean predictions, shares that came true, ECE",
+    )
     for name, case in _CASES.items():
         predicted, came_true, bins = case
         what = f"reliability_diagram, {name}"
         got = parts(what, invoke(what, student, *case), 3, words)
-        means = vector(f"{what}, first", got[0], bins, "the mean prediction of each bin")
-        shares = vector(f"{what}, second", got[1], bins, "the share of each bin that came true")
-        ece = one_number(f"{what}, third", got[2], "the ECE")
+        means = vector(f"{what}, means", got[0], bins, "the mean prediction of each bin")
+        shares = vector(f"{what}, shares", got[1], bins, "the share of each bin that came true")
+        ece = one_number(f"{what}, ECE", got[2], "the ECE")
         groups = _even_groups(predicted, means, bins)
         usual = np.array_split(np.argsort(predicted, kind="stable"), bins)
         want = _diagram(predicted, came_true, usual if groups is None else groups)
         first, second, third = _mistakes(predicted, came_true, usual, groups)
-        _expect(f"{what}, first", means, want[0], first, _means_apart)
-        _expect(f"{what}, second", shares, want[1], second, _shares_apart)
-        _expect(f"{what}, third", ece, want[2], third, _ece_apart, tolerance=_NEAR)
+        _expect(f"{what}, means", means, want[0], first, _means_apart)
+        _expect(f"{what}, shares", shares, want[1], second, _shares_apart)
+        _expect(f"{what}, ECE", ece, want[2], third, _ece_apart, tolerance=_NEAR)
 
 
 def _expect(

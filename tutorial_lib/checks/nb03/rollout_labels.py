@@ -195,7 +195,8 @@ _HINTS: dict[type[Exception], str] = {
     ValueError: "times is (T,), geodesic (N,), the others are (T, N): times[:, None] is a column, "
     "with which limits (N,) make a table (T, N)",
     IndexError: "gaps and touched have a row for each moment and a column for each car",
-    TypeError: "gaps and touched are arrays (T, N); tables of true and false are joined by &, |, ~",
+    TypeError: "gaps and touched are arrays (T, N); tables of true and false are joined "
+    "by &, |, ~, each comparison in parentheses: (a <= b) & (c <= d)",
 }
 
 
@@ -226,7 +227,7 @@ def _broken(got: Array, want: Array, *case: Array) -> str:
             "most geodesic / 0.3 + 5 s after the start, and nothing touched until then"
         )
     if not near.any():
-        return "a car that is never within 0.30 m has not reached its target; do not round"
+        return "a car that is never within 0.30 m, unrounded, has not reached its target"
     if not (near & (times <= time_limit(geodesic[number]))).any():
         return "it comes near too late: after geodesic / 0.3 + 5 s of its own geodesic, unrounded"
     return "whatever was touched up to the moment of arrival, in whichever moment, makes it 0"
@@ -239,13 +240,13 @@ def _worst(
     number = _first_wrong(got, want)
     story = f'the rollout that "{STORIES[number][0]}"' if len(gaps) == 301 else f"car {number}"
 
-    def first(moments: Mask) -> str:
-        return f"first at {times[moments.argmax()]:.4g} s" if moments.any() else "never"
+    def first(moments: Mask, what: str, never: str) -> str:
+        return f"{what} at {times[moments.argmax()]:.4g} s" if moments.any() else never
 
-    near, touches = first(gaps[:, number] <= REACHED), first(touched[:, number])
-    facts = f"it is within 0.30 m {near}, touches something {touches}, and t_max is"
-    limit = f"{time_limit(geodesic[number]):.4g} s"
-    return f"{story} has the label {want[number]:.0f}, not {got[number]:.3g}: {facts} {limit}"
+    near = first(gaps[:, number] <= REACHED, "first comes within 0.30 m", "never comes so near")
+    touches = first(touched[:, number], "first touches something", "touches nothing")
+    facts = f"it {near}, {touches}, and t_max is {time_limit(geodesic[number]):.4g} s"
+    return f"{story} has the label {want[number]:.0f}, not {got[number]:.3g}: {facts}"
 
 
 def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
