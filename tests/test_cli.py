@@ -536,7 +536,7 @@ def test_an_interrupted_demo_leaves_nothing_behind(
         finally:
             running.kill()
     assert running.returncode == 130
-    words = b"interrupted; no file is half-written, and long work goes on when it is run again"
+    words = b"interrupted; no file is half-written, and what was finished is kept for the next run"
     assert error == words + b"\n"
     assert list(tmp_path.iterdir()) == []
 

@@ -277,6 +277,13 @@ def test_a_file_keeps_its_rights(tmp_path, mode):
 
 
 @POSIX
+def test_a_protected_file_is_refused_before_the_work(tmp_path):
+    (tmp_path / "a.txt").touch(0o444)
+    with pytest.raises(InputError, match=r"a\.txt: is protected"):
+        check_writable(tmp_path / "a.txt")
+
+
+@POSIX
 def test_a_link_stays_one_and_what_it_leads_to_is_replaced(tmp_path):
     (tmp_path / "there").mkdir()
     path, target = tmp_path / "a.txt", tmp_path / "there" / "b.txt"

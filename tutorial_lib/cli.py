@@ -80,7 +80,7 @@ def _run(arguments: list[str]) -> int:
         return WRONG_INPUT
     except KeyboardInterrupt:
         print(
-            "interrupted; no file is half-written, and long work goes on when it is run again",
+            "interrupted; no file is half-written, and what was finished is kept for the next run",
             file=sys.stderr,
         )
         return INTERRUPTED

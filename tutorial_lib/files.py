@@ -89,9 +89,11 @@ def check_writable(path: str | Path) -> None:
 
     Raises:
         InputError: when its folder is missing or read-only, its disk is full, or `path` is itself a
-            folder or a device.
+            folder, a device, or a file that is protected.
     """
     path = _destination(path_of("path", path))
+    if path.exists() and not path.stat().st_mode & 0o222:
+        raise InputError(f"{path}: is protected from being written; give another name")
     if not os.access(path.parent, os.W_OK):
         raise _not_writable(path)
     with _temporaries([path]) as (temporary,):

@@ -286,7 +286,7 @@ def test_a_plan_leads_over_the_map_to_a_goal_or_is_refused():
         r"plan: leads to goal image 7, but there are \d+$": Plan((0, 1), 7),
         "plan: leads over 99, which is no vertex of the map": Plan((0, 99)),
         r"planner: .*\(0, 1\)": (0, 1),
-        r"plan: takes edge \(1, 2\), which is excluded; plan around": Plan((0, 1, 2)),
+        r"plan: takes edge \(1, 2\), which is excluded .*; plan around": Plan((0, 1, 2)),
         rf"plan: takes edge \({HERE}, 3\), which is excluded": Plan((3,)),
     }
     for words, plan in wrong.items():

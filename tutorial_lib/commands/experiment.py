@@ -68,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="",
         metavar="FILE.py:CLASS",
         help="a class of your own, as row custom; leaderboard --template KIND writes one to begin "
-        "with",
+        "with. Its runs begin anew after an interruption: the class may have changed",
     )
     words = "of the robots' wheels; exact: without drift"
     parser.add_argument("--odometry", choices=ODOMETRY, default=DRIFTING, help=words)

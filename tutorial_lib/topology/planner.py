@@ -140,7 +140,10 @@ def checked_plan(plan: Plan, topomap: TopoMap, goals: Goals, excluded: Edges) ->
             raise InputError(f"plan: leads over {vertex}, which is no vertex of the map")
     for edge in pairwise((HERE, *vertices)):
         if edge in excluded:
-            raise InputError(f"plan: takes edge {edge}, which is excluded; plan around such edges")
+            raise InputError(
+                f"plan: takes edge {edge}, which is excluded ({HERE} is where the robot is); plan "
+                "around such edges"
+            )
     return plan
 
 

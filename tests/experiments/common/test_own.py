@@ -102,6 +102,22 @@ def test_a_class_is_what_its_members_make_it(own, seam):
     assert load_own(own(class_of(MEMBERS[seam])), [seam])[0] == seam
 
 
+def test_a_whole_system_is_no_part_of_another_one(own):
+    for whole, part in (("explorer", "controller"), ("agent", "explorer")):
+        both = MEMBERS[part] | MEMBERS[whole]
+        with pytest.raises(InputError, match=f"is an {whole}, with .*compares what is a {part}$"):
+            load_own(own(class_of(both)), [part])
+
+
+def test_what_cannot_be_made_without_arguments_is_told_so(own):
+    for text, words in (
+        ("class Mine:\n    def __init__(self, weights): ...\n", r"takes \(weights\); give them"),
+        ("Mine = 3\n", "Mine is 3; give the class itself"),
+    ):
+        with pytest.raises(InputError, match=words):
+            load_own(own(text), ["explorer"])
+
+
 def class_of(members):
     """A class with these members, whose methods take what is said."""
     lines = (

@@ -5,7 +5,6 @@ import inspect
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from textwrap import shorten
@@ -36,6 +35,8 @@ MEMBERS = {
 }
 """What a class can be, see `tutorial_lib.interfaces`, and the members that make it that: what each
 method is called with, in this order; None for what is no method."""
+_WHOLE = ("agent", "explorer")
+"""Those that are whole systems, and have members of their parts, too."""
 OPTIONAL = {"explorer": {"look_for": "goals"}, "reachability": {"embed": "observations"}}
 """The same for methods that it need not have."""
 _RETURNED: dict[Path, FunctionType] = {}
@@ -54,11 +55,14 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
             members of none of the seams, or if a method of it cannot be called as it will be.
     """
     part = guarded(where, _instantiate, where)
-    missing = {
-        seam: [name for name in MEMBERS[seam] if not guarded(where, hasattr, part, name)]
-        for seam in seams
-    }
+    missing = {seam: _missing(where, part, seam) for seam in seams}
     fits = [seam for seam in seams if not missing[seam]]
+    other = next((seam for seam in _WHOLE if not _missing(where, part, seam)), None)
+    if other and other not in seams:
+        raise InputError(
+            f"--agent {where}: is an {other}, with {' and '.join(MEMBERS[other])}; this experiment "
+            f"compares what is a {' or a '.join(seams)}"
+        )
     if fits:
         guarded(where, _check_methods, part, fits[0])
         return fits[0], part
@@ -67,6 +71,11 @@ def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
     nearest = min(begun, key=lambda seam: len(missing[seam]), default=None)
     lacks = f"; as {nearest} it lacks {', '.join(missing[nearest])}" if nearest else ""
     raise InputError(f"--agent {where}: has the methods of no component ({needed}){lacks}")
+
+
+def _missing(where: str, part: Any, seam: str) -> list[str]:  # noqa: ANN401
+    """The members that a user's object lacks to be what a seam takes."""
+    return [name for name in MEMBERS[seam] if not guarded(where, hasattr, part, name)]
 
 
 def load_robot(where: str) -> tuple[BicycleCar | DifferentialDrive, Camera]:
@@ -143,14 +152,17 @@ def _instantiate(where: str) -> Any:  # noqa: ANN401
         raise InputError(f"{file} has no {name}")
     if not callable(known):
         raise InputError(f"{name} is {quoted(known)}; give the class itself, or a function")
-    with suppress(ValueError):  # it has no signature, as what is not written in Python
-        try:
-            inspect.signature(known).bind()
-        except TypeError:
-            takes = shorten(str(inspect.signature(known)), 100, placeholder=" ...")
-            raise InputError(
-                f"{name} is made without arguments, but takes {takes}; give them defaults"
-            ) from None
+    try:
+        takes = inspect.signature(known)
+    except ValueError:  # it has none, as what is not written in Python
+        return known()
+    try:
+        takes.bind()
+    except TypeError:
+        words = shorten(str(takes), 100, placeholder=" ...")
+        raise InputError(
+            f"{name} is made without arguments, but takes {words}; give them defaults"
+        ) from None
     return known()
 
 
