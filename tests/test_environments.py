@@ -8,6 +8,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 
 from tutorial_lib.environments import CAR, IMAGE_GOAL, FlatViews, OneImage, for_baselines
 from tutorial_lib.errors import InputError
@@ -77,6 +78,12 @@ def test_one_image_has_the_goal_behind_the_view():
         assert one.observation_space.contains(image)
         assert (image[:: rows // 16, :, :3] == seen["image"]).all()
         assert (image[rows // 16 - 1 :: rows // 16, :, 3:] == seen["goal_image"]).all()
+
+
+@pytest.mark.parametrize("wrap", [FlatViews, OneImage])
+@pytest.mark.filterwarnings("ignore:.*different from the unwrapped version")
+def test_a_wrapped_environment_keeps_gymnasium_s_contract(wrap):
+    check_env(wrap(gymnasium.make(IMAGE_GOAL, worlds=(10_100,)).unwrapped), skip_render_check=True)
 
 
 def test_what_does_not_fit_is_refused():

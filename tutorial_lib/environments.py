@@ -15,6 +15,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
@@ -32,7 +33,7 @@ gymnasium.register(
 gymnasium.register(id=CAR, entry_point="tutorial_lib.exploration.environment:CarNavigation")
 
 
-class FlatViews(gymnasium.ObservationWrapper):
+class FlatViews(gymnasium.ObservationWrapper, RecordConstructorArgs):
     """Small flat parts, for networks with fully connected layers ("MultiInputPolicy").
 
     Images become means over equal parts of them, 0 to 1; depth becomes 1 / (1 + m), and the mean of
@@ -49,7 +50,8 @@ class FlatViews(gymnasium.ObservationWrapper):
         """
         parts = _images_of("env", instance("env", env, gymnasium.Env).observation_space)
         self._cut = _Cut(parts, rows, columns)
-        super().__init__(env)
+        RecordConstructorArgs.__init__(self, rows=rows, columns=columns)
+        gymnasium.ObservationWrapper.__init__(self, env)
         self.observation_space = self._cut.space
 
     def observation(self, observation: dict[str, NDArray]) -> dict[str, NDArray[np.float32]]:
@@ -57,7 +59,7 @@ class FlatViews(gymnasium.ObservationWrapper):
         return self._cut.flat(observation)
 
 
-class OneImage(gymnasium.ObservationWrapper):
+class OneImage(gymnasium.ObservationWrapper, RecordConstructorArgs):
     """One image (H, W, 6), for convolutional networks ("CnnPolicy"): what is seen, and the goal.
 
     The goal's channels stand behind those of the robot's view. Each row is repeated until the image
@@ -74,7 +76,8 @@ class OneImage(gymnasium.ObservationWrapper):
         parts = _images_of("env", instance("env", env, gymnasium.Env).observation_space)
         rows, columns, channels = parts["image"].shape
         self._repeats = math.ceil(whole("least_rows", least_rows, least=1, most=4096) / rows)
-        super().__init__(env)
+        RecordConstructorArgs.__init__(self, least_rows=least_rows)
+        gymnasium.ObservationWrapper.__init__(self, env)
         shape = (rows * self._repeats, columns, 2 * channels)
         self.observation_space = spaces.Box(0, 255, shape, np.uint8)
 
@@ -98,7 +101,7 @@ def for_baselines(many: Any, rows: int = 4, columns: int = 32) -> Any:  # noqa: 
         A `stable_baselines3.common.vec_env.VecEnv`, whose episodes begin again at once.
 
     Raises:
-        ImportError: without Stable-Baselines3, which is in the extra `rl`.
+        InputError: without Stable-Baselines3, which is in the extra `rl`.
     """
     with_methods("many", many, "restart", "step", "reset")
     cut = _Cut(_images_of("many", many.single_observation_space), rows, columns)
@@ -118,9 +121,13 @@ def in_lock_step(
         shown: what is shown of what all observe.
 
     Raises:
-        ImportError: without Stable-Baselines3.
+        InputError: without Stable-Baselines3.
     """
-    from stable_baselines3.common.vec_env import VecEnv
+    try:
+        from stable_baselines3.common.vec_env import VecEnv
+    except ImportError as error:
+        words = 'Stable-Baselines3 is missing; python -m pip install ".[rl]"'
+        raise InputError(f"in_lock_step: {words}") from error
 
     class LockStep(VecEnv):
         """The environments behind the interface of Stable-Baselines3."""

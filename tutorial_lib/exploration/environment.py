@@ -28,7 +28,7 @@ from tutorial_lib.exploration.task import SENSORS, ExplorationTask
 from tutorial_lib.exploration.top_view import top_view
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array
-from tutorial_lib.validation import flag, floats
+from tutorial_lib.validation import flag, floats, whole
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.noise import STOP
 from tutorial_lib.world.scene import Scene
@@ -152,7 +152,7 @@ class ImageGoalNavigation(gymnasium.Env):
 
     def _actions(self, action: object) -> ArrayLike:
         """What the task is given for an action."""
-        return np.array([action])
+        return np.array([whole("action", action, least=0, most=len(ACTIONS) - 1)])
 
     def _ended_itself(self, task: ExplorationTask, action: object) -> bool:
         """Whether an episode that is over was not cut short."""

@@ -73,7 +73,7 @@ def matches_picture(
     square = cv2.resize(tones.astype(np.uint8), (side, side), interpolation=cv2.INTER_NEAREST)
     for across, along in truth:
         centre = round(16 * side * along), round(16 * side * across)
-        cv2.circle(square, centre, 40, colours.LASER, cv2.FILLED, cv2.LINE_AA, 4)
+        cv2.circle(square, centre, 24, colours.LASER, cv2.FILLED, cv2.LINE_AA, 4)
     cv2.rectangle(square, (0, 0), (side - 1, side - 1), colours.FAINT, 1)
     above = camera_picture(target, side)
     beside = np.ascontiguousarray(camera_picture(current, side).transpose(1, 0, 2))
