@@ -130,8 +130,9 @@ def test_what_cannot_be_judged_is_refused_before_anything_is_written(monkeypatch
     monkeypatch.chdir(tmp_path)
     for where in ("own.py:Mine", "own.py", "Mine", ":"):
         assert main(["leaderboard", "--agent", where]) == 2
-        words = f"--agent {where}: there is no such file; give FILE.py:CLASS"
-        assert words in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert said.startswith(f"error: --agent {where}: ")
+        assert said.endswith("give FILE.py:CLASS\n")
     assert not list(tmp_path.iterdir())
     (tmp_path / "own.py").write_text(GOOD)
     assert main(["leaderboard", "--agent", "own.py:Mine", "--film", "worst.gif"]) == 2

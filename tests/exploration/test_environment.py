@@ -90,7 +90,7 @@ def test_the_reward_is_the_spl_once_and_nothing_else_pays():
         environment.step(STOP)
     environment.reset(seed=3)
     for wrong in (np.array([1]), 1.5, 4, None):
-        with pytest.raises(InputError, match="action: .*; give one whole number"):
+        with pytest.raises(InputError, match=r"action: .*; give one whole number"):
             environment.step(wrong)
     assert environment.step(LEFT)[1:4] == (0.0, False, False)
 

@@ -68,8 +68,10 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.page.resolve() == options.board.resolve():
         raise InputError(f"--page: {options.page} is the board itself; give another file")
-    if options.agent and not Path(options.agent.rpartition(":")[0]).is_file():
-        raise InputError(f"--agent {options.agent}: there is no such file; give FILE.py:CLASS")
+    file, colon, _ = options.agent.rpartition(":")
+    if options.agent and not (colon and Path(file).is_file()):
+        words = f"there is no file {file}; " if colon else ""
+        raise InputError(f"--agent {options.agent}: {words}give FILE.py:CLASS")
     if options.film.suffix != ".webm":
         raise InputError(f"--film: {options.film}; a film's name ends in .webm, rename it")
     for path in (options.board, options.page, options.film):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
 from tutorial_lib.reading.documents import parse_json
 from tutorial_lib.reading.limits import MAX_JSON
@@ -90,6 +91,15 @@ def plan_from_json(text: str, where: str = "JSON text") -> FloorPlan:
     root = Field(parse_json(text, where, "was the file cut off?"), where)
     if root["schema"].whole() != SCHEMA:
         raise root["schema"].fail(f"this version reads schema {SCHEMA}")
+    try:
+        return _plan(root)
+    except InputError as error:
+        if str(error).startswith(where):  # a field's names the file itself
+            raise
+        raise InputError(f"{where}: {error}") from error
+
+
+def _plan(root: Field) -> FloorPlan:
     walls = list(root["walls"])
     return FloorPlan(
         family=root["family"].text(),

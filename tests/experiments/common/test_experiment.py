@@ -88,7 +88,8 @@ def test_an_experiment_runs_on_its_worlds_with_its_settings(experiment, options,
 @pytest.mark.parametrize("name", sorted(OPTIONAL))
 def test_an_option_is_taken_where_it_is_declared_and_refused_elsewhere(name):
     report = make(accepts=frozenset({name})).report(EVERYTHING[name])
-    assert report.notes == ("a note", *([NOTED[name]] if name in NOTED else []))
+    own = [f"custom: {EVERYTHING[name].agent}"] if name == "agent" else []
+    assert report.notes == (*own, "a note", *([NOTED[name]] if name in NOTED else []))
     others = frozenset(OPTIONAL) - {name}
     with pytest.raises(InputError, match=f"--{name}: trial cannot use it; its options: --worlds"):
         replace(make(accepts=others), run=never).report(EVERYTHING[name])

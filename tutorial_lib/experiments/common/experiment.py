@@ -94,7 +94,8 @@ class Experiment:
         noted = ("family", "starts", "goals", "remedies", "robot")
         changed |= {name: getattr(options, name) for name in noted}
         findings = tuple(one for one in beside if isinstance(one, Finding))
-        notes = [one for one in beside if isinstance(one, str)]
+        notes = [f"custom: {options.agent}"] if options.agent else []
+        notes += [one for one in beside if isinstance(one, str)]
         notes += [f"{name}: {value}" for name, value in changed.items() if value]
         return Report(
             name=self.name,
