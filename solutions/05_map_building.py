@@ -182,8 +182,8 @@ trip = Prediction(
     {"X": "at 2, for d", "Y": "at 3, for e", "Z": "at 3, for d"},
     right="Y",
     robot=f"it compares every photo of one strip with every photo of the other. RE from 3 to e "
-    f"is {between('3', 'e'):.3f}; from 3 to d it's {between('3', 'd'):.2f}, and from 2 to d "
-    f"{between('2', 'd'):.2f}.",
+    f"is {between('3', 'e'):.3f}, and so it is to f, farther up; from 3 to d it's "
+    f"{between('3', 'd'):.2f}, and from 2 to d {between('2', 'd'):.2f}.",
     tempting="Z",
     because="on the plan d is just outside the door. But at 3 the robot looks up the corridor, and "
     "d lies behind it.",
@@ -607,8 +607,8 @@ twins = Prediction(
     "Dark: the second drive. Which of its anchors will your insert drop?",
     {"A": "every second one", "B": "the first ones", "C": "the last ones"},
     right="B",
-    robot=f"it drops {sum(replaced)} of {len(second)}, all before the fork. The last ones there "
-    f"stay, since their next anchor lies beyond the fork. {titles[0]} become {titles[1]}.",
+    robot=f"it drops {sum(replaced)} of {len(second)}, all before the fork. {titles[0]} "
+    f"become {titles[1]}.",
     tempting="A",
     because="notebook 04 thinned drives out. But here an anchor goes because another drive's "
     "image does its job, and beyond the fork no image does.",
@@ -816,7 +816,7 @@ display(apart)
 # %% [markdown]
 # That's **[[perceptual aliasing]]**: two places, one image. The edge that results is a **[[wormhole]]**. Every edge whose ends are more than 5 m of driving apart counts as one. A wrong edge is worse than a missing one: a planner *loves* wormholes, since there's no better short cut.
 #
-# ### One image lies, a sequence hardly ever does
+# ### One image lies, a sequence seldom does
 #
 # Two corridors may share one image. It's much less likely that the images *before* agree, too, and the images *after*. So ask for a sequence: anchor $i$ is joined to vertex $v$ only if the anchors around $i$ can be joined to the vertices around $v$,
 #
@@ -901,7 +901,7 @@ head = {"building": "", "p_edge": ".2f", "anchors on either side": "d", "wormhol
 table({**head, "good edges kept": ".0%"}, rows)
 
 # %% [markdown]
-# Sequences cost good edges: near a fork, the earlier anchors agree and the later ones don't. It's still a bargain: good edges abound, and even one wormhole does harm. Your flat needs sequences only where $p_\text{edge}$ is low, since its rooms have different colours. The office needs them badly.
+# Sequences cost good edges. Where drives meet or part, the anchors agree on one side only; and where the anchors of two drives stand at different distances, they fall out of step. Driven edges always stay, so of the edges that *join* drives far fewer are left than the table says. It's still a bargain: even one wormhole does harm, and reuse, which comes next, joins drives in another way. Your flat needs sequences only where $p_\text{edge}$ is low, since its rooms have different colours. The office needs them badly.
 #
 # The one wormhole in the last row is a real step: a car drove more than 5 m from one anchor to the next. Now add reuse. Sequences still check the edges.
 
@@ -941,7 +941,7 @@ swap = Prediction(
 display(swap)
 
 # %% [markdown]
-# These wormholes all count as driven. So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, at the next anchor, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
+# These wormholes all count as driven. (In three other offices of this kind, reuse added none: it takes bad luck.) So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, an anchor or two later, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
 #
 # ## 6 · Your own rule
 #
@@ -1250,7 +1250,7 @@ show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex some metres ahead does the anchor's job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: most of them reach each other, but reuse asks about the previous and the next anchor, and one was just too far. Some are at ends of drives.
+# <i>Wormholes</i>: two places, one image, and a reuse rule that asks for no sequence. <i>Distant replacements</i>: in the office, the cause is the same; in the flat, most aren't defects. A vertex a metre or two before or behind the anchor, or turned a little, does its job just as well, and it's a defect only if you believe that a vertex is a <i>place</i>. <i>Duplicates</i>: most of them reach each other, but reuse asks about the previous and the next anchor, and one of them was too far. A few are at ends of drives.
 # </details>
 #
 # ## 10 · The cupboard moved
@@ -1357,7 +1357,7 @@ show(stacked([picture], ["Twelve drives, one map. Now what?"]))
 #
 # - turn the anchors of many drives into one graph without coordinates, in which the most probable path is the shortest, and say why its edges are directed;
 # - insert a drive: reuse what does an anchor's *job*, add what's new, join both;
-# - explain how one image deceives a map, and why a sequence hardly ever does;
+# - explain how one image deceives a map, and why a sequence seldom does;
 # - find the few pairs that are worth a query;
 # - say why a map stops growing, and when it may forget.
 #
