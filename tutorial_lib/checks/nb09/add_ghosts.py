@@ -84,6 +84,8 @@ a bearing of -90 degrees is bin 9, not bin 3: % 12, not abs
     round(share) % _DIRECTIONS -> abs(round(share)) % _DIRECTIONS
 bins are centred on their bearings: round, do not cut off
     round(share) -> int(np.floor(share))
+bins are centred on their bearings: round, since int(...) cuts off
+    round(share) -> int(share)
 the direction in which a node stands is the bearing of its place, arctan2(y, x), not its heading
     np.arctan2(pose[1], pose[0]) -> pose[2]
 np.arctan2 takes y first: arctan2(y, x)

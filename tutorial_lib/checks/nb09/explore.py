@@ -63,6 +63,12 @@ a node is new
     if robot.sees_goal(): -> if (arrived or robot.node() is None) and robot.sees_goal():
 call sees_goal(), and to_goal() where it is seen
     if robot.sees_goal(): -> if False:
+to_node() drives to the next node alone; then a new round begins, which looks for the goal from
+there
+    robot.to_node(node) -> [robot.to_node(v) for v in nx.shortest_path(graph, here, ghost[0])[1:]]
+the first node has ghosts: keep the new set, ghosts = add_ghosts(...), and ask global_policy without
+a goal
+    ghosts = add_ghosts( -> add_ghosts(
 the robot has reached the goal only if to_goal() returned True
     found = robot.to_goal() -> found = robot.to_goal() or True
 the robot has still just arrived at a ghost where it then took something for the goal: that place

@@ -122,6 +122,9 @@ BUILDINGS: dict[str, Building] = {
     "the goal is only seen on the way back": _rooms(
         7, (0, 7), later=(0,), misleading={(0, 1): 0.4, (1, 2): 0.5}
     ),
+    "the goal is only seen halfway back": _rooms(
+        7, (1, 7), later=(1,), misleading={(0, 1): 0.4, (1, 2): 0.5}
+    ),
     "something is mistaken for the goal on the way back": _rooms(
         7, (7,), deceptive=(0,), later=(0,), misleading={(0, 1): 0.4, (1, 2): 0.5}
     ),
