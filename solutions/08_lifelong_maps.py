@@ -943,7 +943,7 @@ else:
 
 # %% [markdown]
 # <details><summary>Two good maps, quite different; enter yours first</summary>
-# <i>Far apart first.</i> <code>SamplingRules(merge=0.8, connect=3.0, order="farthest first", reverse=4.0)</code>: each new vertex stands as far from the map as it can, and longer edges bridge the gaps. <i>Hubs first.</i> <code>joined = sure &amp; (far &lt; 2.5)</code>, <code>order = np.argsort(-(joined | joined.T).sum(axis=0), kind="stable").tolist()</code>, with merge 1.1 and connect 3.0: images to which many others can be joined come first, and stand in for them. When this page was made, both saved a fifth of the vertices and lost no robot. With merge 1.5, hardly any robot arrives.
+# <i>Far apart first.</i> <code>SamplingRules(merge=0.8, connect=3.0, order="farthest first", reverse=4.0)</code>: each new vertex stands as far from the map as it can, and longer edges bridge the gaps. <i>Hubs first.</i> <code>joined = sure &amp; (far &lt; 2.5)</code>, <code>order = np.argsort(-(joined | joined.T).sum(axis=0), kind="stable").tolist()</code>, with merge 1.1 and connect 3.0: images to which many others can be joined come first, and stand in for them. When this page was made, both saved a fifth of the vertices and lost one robot at most. With merge 1.5, hardly any robot arrives.
 # </details>
 #
 # After this notebook you can
