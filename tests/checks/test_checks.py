@@ -93,6 +93,17 @@ def test_every_wrong_answer_gets_a_message_of_its_own(judge):
     assert len(set(wrong)) == len(wrong)
 
 
+def test_an_answer_is_as_fast_however_often_it_was_measured():
+    judge = nb05.check_insert  # whose answers change the map that they are given
+
+    def insert(*arguments):
+        return judge.reference(*arguments)
+
+    before = len(judge.example[0].vertices)
+    assert judge.use(insert) is insert
+    assert len(judge.example[0].vertices) == before
+
+
 def test_a_slow_answer_is_praised_but_not_used(monkeypatch, capsys):
     @check(lambda x: x, (1.0,), calls=10_000)
     def check_identity(student):

@@ -1,5 +1,6 @@
 """A check, its result, and how a wrong answer is reported."""
 
+import copy
 import html
 import re
 import time
@@ -210,8 +211,9 @@ def _seconds(function: Function, example: tuple) -> float:
     """The shortest of several calls."""
     spans = []
     for _ in range(_ROUNDS):
+        given = copy.deepcopy(example)  # what a call changes is not left to the next one
         begun = time.perf_counter()
-        function(*example)
+        function(*given)
         spans.append(time.perf_counter() - begun)
         if spans[-1] > AFFORDABLE:
             break

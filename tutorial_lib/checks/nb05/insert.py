@@ -229,7 +229,10 @@ def _demand_form(
             raise WrongAnswer(f"{name} must stay an array of shape {shape}")
 
 
-_EMPTY = "a map may be empty, and an anchor's neighbours may not exist"
+_EMPTY = (
+    "a map may be empty, and an anchor's neighbours may not exist. Or is it ahead_of? It takes the "
+    "tables of all N anchors and answers for all; of its answer the vertices' entries count"
+)
 _CALLING = calling({IndexError: _EMPTY, ValueError: _EMPTY}, run=_play)
 
 
@@ -314,6 +317,8 @@ def _edges(got: SmallMap, want: SmallMap) -> str:
         return f"{shown}: a vertex is joined with every other vertex, not with itself"
     if not {i, j} <= set(want.vertices):
         return f"{shown}: only vertices are joined, not anchors that were replaced"
+    if want.driven[i, j] and (i, j) not in pairwise(want.paths[-1]):
+        return f"{shown}: the edges between vertices that were there before stay as they are"
     if want.driven[i, j]:
         return f"{shown}: on a driven step at least reach[{i}, {j}]"
     return f"{shown}: each new vertex is joined with all others by scores, in both directions"
