@@ -222,7 +222,7 @@ display(refused)
 #
 # ## 2 · How far is a turn?
 #
-# Take two photos one metre apart, facing the same way, and two from one spot, a quarter turn apart. For a car, the second pair is farther apart, so the distance must count the turn. With constant velocity and turning rate, exactly one *motion* takes the car to a waypoint in one second. That motion's length is
+# Take two photos one metre apart, facing the same way, and two from one spot, a quarter turn apart. For a car, the second pair is farther apart, so the distance must count the turn. With constant velocity and turning rate, exactly one *motion* takes a body to a waypoint in one second; it may be sideways. That motion's length is
 #
 # $$ \begin{gathered} d(w) = \lVert \log T(w) \rVert_F = \sqrt{\ell^2 + 2\, d\theta^2}, \qquad \ell = \frac{c}{\operatorname{sinc}(d\theta/2)}, \\ c = \sqrt{dx^2 + dy^2}, \qquad \operatorname{sinc}(x) = \frac{\sin x}{x} . \end{gathered} $$
 #
@@ -261,7 +261,7 @@ length = check_length.use(length)
 # %% [markdown]
 # ## 3 · A map by sampling
 #
-# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks up to two questions of each. *Reachable* means that $\hat r$ is high and the images taken between the two lead to the same place.
+# You have more images than you need. LTVN's Algorithm 1 draws them in random order and asks up to two questions of each. *Reachable* means that $\hat r$ is high, and that going there by way of a third image leads to the same place.
 #
 # - **is it mergeable** with a vertex: is one reachable from the other, and closer than $D_m$ in that direction? Then it's redundant: drop it.
 # - **is it connectable** to some vertex: the same question, with $D_c$ instead? Then it becomes a vertex, with an edge for *every* such pair.
@@ -633,7 +633,7 @@ lies = Prediction(
 display(lies)
 
 # %% [markdown]
-# **Find the bug.** A colleague's map forgets good edges faster than yours. Here's her code:
+# **Find the bug.** A colleague's map learns more from a drive than the drive can tell. Here's her code:
 #
 # ```python
 # for edge in ((here, ahead), (ahead, here)):
@@ -855,7 +855,7 @@ presses(TamperedMap(toured, living, many, SHUT, first=SIZE * len(DAYS)))
 
 # %% [markdown]
 # <details><summary>How many failures does an edge through a wall survive?</summary>
-# Often no drive fails: the robot looks along the edge, doesn't see the edge's target, and takes another. After two or three looks, the edge is gone, if a robot comes by at all: robots look only along edges on a shortest path. All 25 robots share the map, so each finding counts for all. An edge that never worked doesn't come back by itself.
+# Often no drive fails: the robot looks along the edge, doesn't see the edge's target, and takes another. After about three looks, the edge is gone, if a robot comes by at all: robots look only along edges on a shortest path, and some edges are never on one. All 25 robots share the map, so each finding counts for all. An edge that never worked doesn't come back by itself.
 # </details>
 #
 # ### In eight other buildings
@@ -955,7 +955,7 @@ else:
 # - bridge a gap with images that nobody had used.
 #
 # <details><summary>Extras, if you like</summary>
-# Let <code>live</code> update both directions, as the colleague did: how many true edges are left? In the first cell, give <code>MaintenanceRules</code> <code>returns=0, returns_blocked=0</code>: what happens in section 8 when the door opens again? Score your map in the office.
+# Let <code>live</code> update both directions, as the colleague did: nearly as many true edges are left, since here both directions work or neither does. Let the first door fail in one direction only, and compare again. In the first cell, give <code>MaintenanceRules</code> <code>returns=0, returns_blocked=0</code>: what happens in section 8 when the door opens again? Score your map in the office.
 # </details>
 #
 # Your robot's map is a hypothesis now: each edge carries a belief, and each drive is evidence. But it all began with people driving the robot around. Tomorrow, in notebook 09, you carry your robot into a flat that *nobody* has ever driven through, and hold up a photo. No drives, no map: it can only guess what lies behind each door.

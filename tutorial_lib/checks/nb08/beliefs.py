@@ -29,6 +29,14 @@ without the edge a traversal succeeds with p(s | not r), not with 1 - p(s | r)
     deceives if success else 1.0 - deceives -> 1 - succeeds if success else succeeds
 divide by p(s), the sum over both cases; else it is no probability
     exists / (exists + not_there) -> exists
+in the sum below, too, each likelihood is multiplied by what was believed before
+    exists / (exists + not_there)
+        -> exists / (SUCCEEDS + DECEIVES)
+    SUCCEEDS -> (succeeds if success else 1.0 - succeeds)
+    DECEIVES -> (deceives if success else 1.0 - deceives)
+a failure with the edge has the likelihood 1 - p(s | r), and without it 1 - p(s | not r)
+    succeeds if success else 1.0 - succeeds -> succeeds if success else deceives
+    deceives if success else 1.0 - deceives -> deceives if success else succeeds
 the case without the edge has the probability 1 - prior
     (1.0 - prior) * -> 1.0 *
 multiply the likelihood by what was believed before

@@ -114,6 +114,9 @@ an image is too close only if it is reachable as well: lengths of other pairs me
     reachable[pair] and lengths[pair] < merge -> lengths[pair] < merge
 an edge needs r-hat, too: lengths of pairs that are not reachable mean nothing
     reachable[pair] and lengths[pair] < connect -> lengths[pair] < connect
+each direction has an r-hat of its own; an edge needs that of its direction alone
+    reachable[pair] and lengths[pair] < connect
+        -> reachable[pair] and reachable[pair[::-1]] and lengths[pair] < connect
 below D_m is too close; exactly D_m is not
     < merge -> <= merge
 below D_c can be joined; exactly D_c cannot

@@ -53,13 +53,14 @@ def _broken(got: Array, want: Array, waypoints: Array) -> str:
     return "the arc is the chord / sinc(turn / 2), and the norm sqrt(arc^2 + 2 turn^2)"
 
 
+_FORM = "waypoints are an array (..., 3): waypoints[..., 0] is x, and [..., 2] the turn"
 check_length = exercise(
     length,
     CASES,
     MISTAKES,
     about="Waypoints straight ahead, along arcs, behind, and turns in place.",
     example=case(_SOME),
-    invoke=calling({TypeError: "waypoints are an array (..., 3); [..., 2] is the turn"}),
+    invoke=calling(dict.fromkeys((TypeError, IndexError), _FORM)),
     form=lambda what, got, waypoints: numbers(what, got, waypoints.shape[:-1]),
     same=partial(close, tolerance=1e-6),
     difference=farthest,

@@ -8,7 +8,7 @@ from typing import Any
 import networkx as nx
 
 from tutorial_lib.array_forms import quoted
-from tutorial_lib.checks.engine import WrongAnswer, case, exercise
+from tutorial_lib.checks.engine import WrongAnswer, calling, case, exercise
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.topology.maintenance import bayes
 
@@ -242,6 +242,14 @@ check_live = exercise(
     endless="Your function has not ended after {seconds:g} seconds. Does a robot without a path "
     "look for one for ever?",
     run=run,
+    invoke=calling(
+        {
+            nx.NodeNotFound: "leave out the edge that failed alone; its vertices stay",
+            nx.NetworkXNoPath: "where no path is left, the query has not arrived",
+            IndexError: "a robot that is at its goal has no next vertex",
+        },
+        run=run,
+    ),
     form=_formed,
     same=_same,
     difference=_difference,
