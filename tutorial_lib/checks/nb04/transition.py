@@ -109,6 +109,9 @@ CASES = {
     "Dead reckoning, RE(active) low": _step(_D, observe(1, 0, _LOW, _BESIDE), 1.0),
     "Dead reckoning, RE(active) middling": _step(_D, observe(1, 0, _HALF, _BESIDE), 1.0),
     "Dead reckoning, RE(active) high": _step(_D, observe(1, 0, _HIGH, _BESIDE), 1.0),
+    "Dead reckoning, at the last anchor, RE high": _step(
+        _D, observe(3, 2, (0.2, 0.3, 0.6, 0.97), _ARRIVED, True), 1.0
+    ),
     "Dead reckoning for exactly the timeout": _step(_D, observe(1, 0, _LOW, _BESIDE), 4.0),
     "Dead reckoning for long, RE(active) low": _step(_D, observe(1, 0, _LOW, _BESIDE), 4.1),
     "Dead reckoning for long, RE(active) high": _step(_D, observe(1, 0, _HIGH, _BESIDE), 4.1),
@@ -121,6 +124,9 @@ MISTAKES = """
 dead reckoning must end, too: in FOLLOW, or in LOST
     reach[active] > rules.p_follow -> False
     State.LOST if waited > rules.timeout else state -> state
+dead reckoning leads to FOLLOW or LOST, at the last anchor as well; in Follow it's DONE
+    return State.FOLLOW, active, visited
+        -> return (State.DONE if at and active == last else State.FOLLOW), active, visited
 a robot that is done keeps its anchors: DONE before move_on
     State.DONE, active, visited -> State.DONE, *move_on(active, visited, reach, overlap, at, rules)
 RE of exactly a threshold is not above it
