@@ -251,6 +251,10 @@ return the beliefs, after the look, not the priors
     beliefs.append(belief[0]) -> beliefs.append(prior[0])
 off the map is the last state; the robot may be there: vertex -1
     belief[0].argmax() -> belief[0, :-1].argmax()
+the robot is off the map where that belief is the greatest, however small; yours waits until it is
+above a half
+    best = int(belief[0].argmax())
+        -> best = count - 1 if belief[0, -1] > 0.5 else int(belief[0, :-1].argmax())
 the greatest belief may be that of being off the map: look for it among all states
     belief[0].argmax() -> belief[0, :-1].argmax()
     rules.hysteresis * belief[0, best] -> rules.hysteresis * belief.max()

@@ -158,6 +158,9 @@ STORIES: dict[str, Story] = {
     "another one far more likely, and a hysteresis of 0.2": _seen(
         [[0, 0, 1, 0], [0, 1, 0.3, 0]], sharpness=1.0, hysteresis=0.2
     ),
+    "off the map, if anywhere": _seen(
+        [[0, 0, 1, 0], [0.2, 0.2, 0.02, 0.2]], sharpness=1.0, unknown=0.3, least=0.01
+    ),
     "least above unknown": _seen([[0, 0.6, 0, 0], [0.1, 0, 0, 0]], least=0.3, unknown=0.1),
     "strides of a few centimetres": _along(
         np.arange(0.0, 0.6, 0.03), rules=FilterSettings(stride=0.02, interval=6)
