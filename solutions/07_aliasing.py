@@ -1006,7 +1006,7 @@ display(remedy)
 # On these trips, it's insurance at most. Without counting, about one robot in a hundred circles, and with it none; but as many arrive without it, within chance. Plans around what was visited are longer.
 # </details>
 # <details><summary>One edge in five is a wormhole even with sequences, in the ten offices. Why?</summary>
-# On average, these offices are far worse than yours. A sequence of nine anchors inside a twin matches as well as a single view. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
+# On average, these offices are far worse than yours. Drives begin and end in twins, and there a sequence is cut short: it matches as well as a single view. Turn edges, which the agents' maps have besides, ask for no sequence at all. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
 # </details>
 #
 # ## 10 · The failures that remain

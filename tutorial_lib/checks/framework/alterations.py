@@ -74,7 +74,7 @@ def _lost(got: Array, want: Array) -> str:
 def _limited(got: Array, want: Array) -> str:
     """Numbers beyond a limit that come back as the limit."""
     finite = got[np.isfinite(got)]
-    if not finite.size or not _alike(got, np.clip(want, finite.min(), finite.max())):
+    if np.unique(finite).size < 2 or not _alike(got, np.clip(want, finite.min(), finite.max())):
         return ""
     for limit, beyond in ((finite.max(), want > finite.max()), (finite.min(), want < finite.min())):
         if np.unique(want[beyond]).size >= _FEWEST and beyond.mean() < 0.5:

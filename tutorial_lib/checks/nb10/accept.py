@@ -104,6 +104,7 @@ CASES: dict[str, tuple[Any, ...]] = {
     "a match 1.5 m beside where odometry says": _drifted(_SMALL, 0.0, 1.5),
     "a match that looks the other way": _moved(_SMALL, 0.1, 0.1, 180),
     "a match 60 degrees beside the odometry": _moved(_DOORS, 0.0, 0.2, -60),
+    "a match 42 degrees beside the odometry": _moved(_DOORS, 0.1, 0.0, 42),
     "a match 0.8 m from where odometry says": _moved(_CORNER, 0.6, 0.5, 0),
     "a match 22 degrees beside the odometry": _moved(_ROOM, 0.1, 0.0, 22),
     "headings of nearly 180 degrees, on either side": _turned(_moved(_ROOM, 0.1, 0, 12), 3.1),
