@@ -764,7 +764,7 @@ transition = check_transition.use(transition)
 # %% [markdown]
 # ### The loop
 #
-# Now write one step of the loop that drives the robot, ten times a second. Between two steps the robot remembers six things in a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance so far to the active anchor's waypoint. The memory begins as `Memory()`, in Search, with both anchors −1.
+# Now write one step of the loop that drives the robot, ten times a second. Between two steps the robot remembers six things in a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice when it's getting nowhere, `waited`, the seconds without progress, and `nearest`, the least distance so far to the point that it drives to. The memory begins as `Memory()`, in Search, with both anchors −1.
 #
 # Each step observes (that's given), and then:
 #
@@ -946,7 +946,7 @@ show(stacked([picture], ["Dark blue without noise, pale with it"]))
 #
 # ## 6 · At most twelve images
 #
-# **Second sitting, and an open task.** Now your robot keeps no context, $k = 0$: at most twelve images, and nothing else. You choose them. Sixteen robots follow them on slipping wheels, and each is shoved twice, by up to 0.3 m and 20°. The score is the **share of the drive they follow, in percent, minus 3 for each image**. The whole drive on twelve images scores 64. Fewer could score more, until a hop is too long.
+# **Second sitting, and an open task.** Now your robot keeps no context, $k = 0$: at most twelve images, and nothing else. You choose them. Sixteen robots follow them on slipping wheels, with the library's follower, and each is shoved twice, by up to 0.3 m and 20°. The score is the **share of the drive they follow, in percent, minus 3 for each image**. The whole drive on twelve images scores 64. Fewer could score more, until a hop is too long.
 #
 # `reach` is RE from each image of the drive to the next 60, now from the network with $k = 0$. `poses` says where each was taken; the robots won't know. There's more than one good choice.
 
@@ -982,7 +982,10 @@ def shoves(simulation, robots):
 
 def score_images(chosen):
     """Images, percent of the way that robots follow by them, and the score."""
-    kept = np.unique([0, *chosen, len(poses) - 1]).astype(int)
+    chosen = np.asarray(chosen)
+    if chosen.size and chosen.dtype.kind not in "iu":
+        raise ValueError("my_images: return frames, whole numbers; np.flatnonzero(mask), round(x)")
+    kept = np.unique([0, *chosen.tolist(), len(poses) - 1])
     if len(kept) > MOST:
         print(f"{len(kept)} images; {MOST} are allowed, so this scores 0")
         return len(kept), 0.0, 0.0
