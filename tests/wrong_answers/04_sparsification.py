@@ -348,7 +348,7 @@ def follow_step__resets_the_clock_in_the_dark(memory, reach, overlap, waypoints,
 def follow_step__keeps_the_least_distance_always(
     memory, reach, overlap, waypoints, odometry, rules
 ):
-    """whenever the clock starts again, it is the distance to the waypoint"""
+    """whenever the clock starts again, it is the distance to the point"""
     new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
     return new._replace(nearest=min(memory.nearest, new.nearest)), target
 

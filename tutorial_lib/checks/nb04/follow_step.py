@@ -316,7 +316,7 @@ def _wrong_nearest(memory: Memory, mine: Memory, right: Memory) -> str:
     """Why the least distance is another."""
     told = f"nearest is {mine.nearest:.4g} m, {right.nearest:.4g} m is right"
     if right.waited == 0.0:
-        return f"{told}: whenever the clock starts again, it is the distance to the point that the robot drives to"
+        return f"{told}: whenever the clock starts again, it is the distance to the point"
     words = f"it changes only when the clock starts again, or many steps of less than {_NEARER} m"
     return f"{told}: {words} would never count"
 
