@@ -243,7 +243,7 @@ compass = Prediction(
 display(compass)
 
 # %% [markdown]
-# Vermilion nodes are more than a metre off; thin lines lead to where they are. An edge still spans only a few metres of odometry. But each was recorded with a different heading error, and along a chain of edges the errors add up. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
+# Vermilion nodes are more than a metre off; thin lines lead to where they are. An edge still spans only a few metres. But it's turned by all that odometry has got wrong by then, since nothing corrects the robot's heading: the later an edge was made, the more it's off. So paths lead into walls, and the robot that forgets is better off: its map is never older than one visit.
 #
 # What's odd? The robot passes its old nodes all the time. It *recognises* them: notebook 09's $\mathcal F_L$ says whether a panorama belongs to a node. But recognising a place doesn't tell you *your pose in it*.
 #
@@ -373,7 +373,7 @@ display(slides)
 #
 # ### Exercise 1 · `match` (large, 30 minutes)
 #
-# Odometry gives a guess of the robot's pose in the node's frame. The guess is nearly always right to within 0.5 m and 15°, so search no farther. Find the pose near it that fits best, to within 0.1 m and 3°.
+# Odometry gives a guess of the robot's pose in the node's frame. The guess is nearly always right to within 0.5 m and 15°, so there's no need to search much farther. Find the pose near it that fits best, to within 0.1 m and 3°.
 #
 # Trying everything in steps of 5 cm and 1° would take 13,000 poses. Your robot matches hundreds of times in its life, so you can afford about a thousand each time. How do you get to the peak? There's more than one way.
 #
@@ -432,7 +432,7 @@ table(
 #
 # `match` always answers. Give it another room's scan, and it'll still return a best pose; and even at home, about one match in thirty settles on a wrong peak. So before the robot believes a match, ask three things:
 #
-# - **Does it fit at all?** Scans of different rooms never do; but some wall's often hidden, so don't insist on 1.
+# - **Does it fit at all?** Scans of different rooms seldom do; but some wall's often hidden, so don't insist on 1.
 # - **Does it slide?** If it fits nearly as well half a metre away in some direction, the match says nothing. A corridor may lie at any angle to the node, and 5° off its axis the fit has already fallen by some 0.15.
 # - **Is it near the guess?** Since the last match, odometry has never drifted more than **1 m or 30°**, twice what exercise 1 tries.
 #
@@ -811,7 +811,7 @@ display(league.enter("MyRobot", summary(mine)))
 
 # %% [markdown]
 # <details><summary>Two good robots, quite different; enter yours first</summary>
-# <i>Count the metres, and remember every panorama.</i> <code>class MyRobot(LifelongAgent)</code> with its settings as they are (<code>travel=0.02</code>). <i>No ghosts at all.</i> <code>ScanCorrected(FrontierAgent(eyes, recalls=True))</code>: frontiers of a metric map, panoramas kept, walls matched. When we tried them, both got twice the first robot's score on this life, and neither beat section 4's robot with our functions. So much for one life: on thirty, the combined robot and a frontier robot with walls lead the race.
+# <i>Count the metres, and remember every panorama.</i> <code>class MyRobot(LifelongAgent)</code> with its settings as they are (<code>travel=0.02</code>). <i>No ghosts at all.</i> <code>ScanCorrected(FrontierAgent(eyes, recalls=True))</code>: frontiers of a metric map, panoramas kept, walls matched. When we tried them, both got twice the first robot's score on this life, about as much as section 4's robot with our functions. So much for one life: on thirty, the combined robot and a frontier robot with walls lead the race.
 # </details>
 #
 # One life is an anecdote. For a row in the real race, open a terminal in the course's folder:
