@@ -123,7 +123,7 @@ print(f"Hello, {robot}!")
 #
 # Somebody has driven your robot through the flat. From its images the robot made a map: coloured arrowheads mark the images it kept, and thin lines connect them. Now you hold up the photo. Your robot has a camera and a laser, but **no floor plan and no coordinates**.
 #
-# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Where they block its view, it coasts on, then looks again for its next image. The cell takes about 20 s.
+# It plans a path through its images, and predicts how likely the plan is to work. Then it sets off, past two people who appear in none of its images. Watch how it gets past them. The cell takes about 20 s.
 
 # %% hidden=true
 # It learns a map of the flat, and drives to the photo
@@ -132,11 +132,10 @@ print(f"a map of {outcome.vertices} images, joined by {outcome.edges} lines")
 print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"{robot} {outcome.ending}, after {outcome.seconds:.0f} s")
-frames = [
-    cv2.resize(film[i], (756, 456), interpolation=cv2.INTER_AREA) for i in range(0, len(film), 10)
-]
+drive = np.linspace(0, len(film) - 24, 16).round().astype(int)  # the last picture stays for two s
+frames = [cv2.resize(film[i], (756, 456), interpolation=cv2.INTER_AREA) for i in drive]
 maps = [frame[:444, :444] for frame in frames]
-play(frames, 5, times=np.linspace(0.0, outcome.seconds, len(frames)), count=3, strip=maps)
+play(frames, 3, times=np.linspace(0.0, outcome.seconds, len(frames)), count=3, strip=maps)
 
 # %% [markdown]
 # That's the whole course in a minute. How does it work?
@@ -212,7 +211,7 @@ display(twins)
 #
 # ## Why not count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry makes a new error, of about 5% of the distance and turn just driven, and its heading drifts a little.
+# A car can measure how far its wheels have turned. Add up the small motions, and you get an estimate of where it is: [[odometry]]. Back home, 30 cars drive the same path: from the living room to the bathroom, back, and there again. Ten times a second each car's odometry makes a new error, of about 5% of the distance and turn just driven; and, which weighs more in the end, its heading drifts a little.
 
 # %% hidden=true
 # 30 cars drive the same path, each with its own odometry (about 5 s)
@@ -262,8 +261,8 @@ wheels = Prediction(
     robot=f"half of the cars are less than {np.median(errors[-1]):.2f} m off, and the worst is "
     f"{errors[-1].max():.1f} m off.",
     tempting="C",
-    because=f"5% of {metres[-1]:.0f} m is {0.05 * metres[-1]:.1f} m. But on the way back, some of "
-    "the errors push the other way.",
+    because=f"5% of {metres[-1]:.0f} m is {0.05 * metres[-1]:.1f} m. But each step's error is "
+    "another one, and most of them cancel. What's left comes from the heading's drift.",
     before=stacked([path], ["There, back, and there again"]),
     after=side_by_side(
         [thought, from_figure(figure)], ["blue: path driven; black: odometry", "the error grows"]
@@ -272,7 +271,7 @@ wheels = Prediction(
 display(wheels)
 
 # %% [markdown]
-# Some black tracks pass through walls. The error shrinks for a while after the car turns back, but overall it grows, and nothing the wheels measure can correct it. **Odometry is good for a few metres, not for a building.**
+# Some black tracks pass through walls, and a door is only a metre wide. The error shrinks for a while after the car turns back, but in the end it grows, and nothing the wheels measure can correct it. **Odometry is good for a few metres, not for a building.**
 #
 # ## A map without coordinates
 #

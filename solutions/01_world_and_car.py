@@ -338,9 +338,11 @@ def turning_circle(steering_angle, speed):
         axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
     axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
     figure.legend(loc="outside lower center", ncols=3, fontsize=10)
-    circle = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
-    width = np.ptp(corner[:, 1]) if steering_angle else 0.24
-    text = f"radius {circle:.2f} m; the outer corner sweeps {width:.2f} m across the hallway"
+    if not steering_angle:
+        return from_figure(figure), "straight on"
+    circle = car.wheelbase / np.tan(abs(steering_angle))
+    need = SIDE + circle + np.hypot(outer[0], circle + abs(outer[1]))  # half a circle
+    text = f"radius {circle:.2f} m; to turn round it needs {need:.3f} m, and has {WIDE:.3f} m"
     return from_figure(figure), text
 
 
@@ -514,8 +516,8 @@ cloud = Prediction(
     f"deviations); the cars themselves are spread over {spread:.2f} m. For half of the cars it's less "
     f"than {half:.2f} m off, for nine tenths less than {most:.2f} m.",
     tempting="B",
-    because="5% of a distance is an error ahead. But a wrong heading, over metres, becomes an "
-    "error across, and that's larger.",
+    because="5% of a distance is an error ahead. But the errors of a hundred steps nearly cancel; "
+    "a heading that drifts doesn't, and over metres it becomes an error across.",
     before=draw_cloud(False),
     after=draw_cloud(True),
 )
@@ -716,8 +718,8 @@ alike = Prediction(
     robot=f"it subtracts. 2 and 4 differ by {unlike[1, 3]:.0f} grey levels on average, 3 and 4 by "
     f"{unlike[2, 3]:.0f}, 6 and 7 by {unlike[5, 6]:.0f}.",
     tempting="C",
-    because="3 and 4 look along the same hallway. But a wall that's nearer covers other pixels, "
-    "and pixels are all that's compared.",
+    because="3 and 4 look along the same hallway. But from one to the other, each pixel sees "
+    "another piece of the painted walls, and pixels are all that's compared.",
     before=side_by_side([picture, *columns], gap=8),
 )
 print(f"a trajectory of {arc_length(np.array(track))[-1]:.1f} m")
