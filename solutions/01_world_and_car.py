@@ -354,7 +354,7 @@ sliders(
 )
 
 # %% [markdown]
-# None does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why the network of notebook 03 learns reachability, not distance.
+# Parked along the wall, none does, at any speed. So *near* isn't *reachable*: a place half a metre to the car's left is harder to reach than one three metres ahead. That's why the network of notebook 03 learns reachability, not distance.
 #
 # ### When it touches something
 #
@@ -626,7 +626,7 @@ show(stacked([picture], ["Your scan: 60 rays, cut off at 6 m"]))
 
 # %%
 slope = Camera().slope
-print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the image ends at slopes ±{slope:.3f}")
+print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the image ends at slopes ±{slope:.5f}")
 
 
 # %% exercise="wall_share"
@@ -742,7 +742,7 @@ display(alike)
 #
 # In <code>many_cars</code>, write <code>WheelOdometry(drift=...)</code>: how large may the drift be for 90% of the errors to stay below 0.3 m after 20 s?
 #
-# Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: up to what depth can you still tell two depths apart?
+# Call <code>wall_share</code> with 8 rows and with 4, for depths from 1 m to 8 m: up to what depth do two depths 10 cm apart still differ, in shares rounded to hundredths?
 # </details>
 #
 # Tonight your robot can see and move, but an oracle turned its wheels. Hold up the photo, and it stays put. In [notebook 02](02_local_control.ipynb) you'll write code that turns an image into steering. Sections I to III-A of the paper are good reading until then.
