@@ -853,8 +853,8 @@ columns = Prediction(
     "In which table has the car turned 25° to the left?",
     {"A": "table A", "B": "table B", "C": "table C"},
     right="C",
-    robot="when the car turns, the line of dots moves sideways and keeps its slope. In A it's "
-    "steeper: from farther back, the target's image is squeezed into the middle of the car's own.",
+    robot="when the car turns, the line of dots moves sideways. In A it's flatter: from farther "
+    "back, the target's image is squeezed into the middle of the car's own.",
     tempting="B",
     because="what the car sees moves to the right, and that line lies to the right. But the car's "
     "own image runs down the side of the table: its right edge is at the bottom.",
