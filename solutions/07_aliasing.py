@@ -436,7 +436,7 @@ update = check_update.use(update)
 # %% hidden=true
 # The corridor of eight vertices: the belief step by step
 LOOKS, STEPS = "abcdebcf", 8
-looks_like = np.array([LOOKS.index(look) for look in LOOKS])
+alike = np.array([[one == other for other in LOOKS] for one in LOOKS])
 row_lengths, row_onward = np.ones(9), np.zeros((9, 9))
 for v in range(8):
     row_onward[v, min(v + 1, 8)] = 0.95
@@ -447,7 +447,7 @@ for step in range(STEPS):
     place = 1 + 0.5 * step
     if step:
         row_belief = predict(row_belief, np.array([0.5]), row_lengths, row_onward)
-    near = np.exp(-2.5 * np.abs(place - looks_like))
+    near = (alike * np.exp(-2.5 * np.abs(place - np.arange(8)))).max(axis=1)
     row_belief = update(row_belief, np.append(np.maximum(near, 0.02), 0.1)[None])
     row_beliefs.append(row_belief[0])
 
@@ -986,8 +986,8 @@ remedy = Prediction(
     robot=f"with replanning alone {share('replan')} arrive. With any other remedy alone it's "
     f"between {min(alone):.0%} and {max(alone):.0%}.",
     tempting="D",
-    because="you've just built it, and it knows when it's wrong. But a robot that knows it's "
-    "wrong, and can't plan again, can only give up.",
+    because="you've just built it, and it knows when it's wrong. But on the folded map twins are "
+    "one place: the belief finds nothing to doubt.",
     before=remedies_chart(("none", "all")),
     after=remedies_chart(success),
 )
@@ -997,7 +997,7 @@ display(remedy)
 # Read the chart in pairs: what a remedy adds *alone*, and what's lost *without* it. Remedies may stand in for each other, or need each other. Left out, replanning is missed most, then the filter, then sequences. The [results page](../tutorial_lib/results/README.md#fig-12-starts-that-look-alike) has the table; the paper shows one example.
 #
 # <details><summary>Alone, three of the four do nothing. Yet without sequences, or without the filter, fewer robots arrive. Why?</summary>
-# Sequences and the filter need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and more of the first plans begin in the right room, even if no second plan is allowed.
+# Sequences and the filter need each other. On a folded map, a belief can't tell twins apart. With sequences it can, and drops a plan that began in the wrong room.
 # </details>
 # <details><summary>Do sequences and counting visits harm replanning?</summary>
 # Without the filter, the other three together do worse than replanning alone, and more of their trips run out of time. A likely reason: with sequences, twins are different places, so it matters which one a plan begins in. Without a belief, it often begins in the wrong one.
@@ -1006,7 +1006,7 @@ display(remedy)
 # On these trips, it's insurance at most. Without counting, about one robot in a hundred circles, and with it none; but as many arrive without it, within chance. Plans around what was visited are longer.
 # </details>
 # <details><summary>One edge in five is a wormhole even with sequences, in the ten offices. Why?</summary>
-# On average, these offices are far worse than yours. Drives begin and end in twins, and there a sequence is cut short: it matches as well as a single view. Turn edges, which the agents' maps have besides, ask for no sequence at all. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
+# Most of them are turn edges: the agents join two drives where their scans match, and ask for no sequence there. (Your map above has none.) And drives begin and end in twins, where a sequence is cut short. So the <i>number</i> of wormholes hardly falls. What sequences add is good edges: the unfolded map has four times as many vertices. Plans must therefore be given up as easily as they're made.
 # </details>
 #
 # ## 10 · The failures that remain
