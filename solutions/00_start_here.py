@@ -132,7 +132,7 @@ print(f"a map of {outcome.vertices} images, joined by {outcome.edges} lines")
 print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"{robot} {outcome.ending}, after {outcome.seconds:.0f} s")
-drive = np.linspace(0, len(film) - 24, 16).round().astype(int)  # the last picture stays for two s
+drive = np.linspace(0, len(film) - 24, 13).round().astype(int)  # the last picture stays for two s
 frames = [cv2.resize(film[i], (756, 456), interpolation=cv2.INTER_AREA) for i in drive]
 maps = [frame[:444, :444] for frame in frames]
 play(frames, 3, times=np.linspace(0.0, outcome.seconds, len(frames)), count=3, strip=maps)
