@@ -449,7 +449,7 @@ table(head | {"it then moves, m": ".2f", "it turns, °": "+.0f"}, rows)
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors aren't precise. As in X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B), ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33. Odometry errs, too: by about 5% of each distance and turn, and its heading drifts.
+# Motors aren't precise. Ten times a second, we multiply both controls by random numbers with mean 1 and standard deviation 0.33, as X. Meng, N. Ratliff, Y. Xiang and D. Fox do in [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020, section IV-B). Odometry errs, too: by about 5% of each distance and turn, and its heading drifts.
 #
 # Two hundred cars start at the same place and get the same commands for 20 s. Your `compose` computes where they are, and where their odometry puts them.
 

@@ -964,7 +964,7 @@ swap = Prediction(
 display(swap)
 
 # %% [markdown]
-# These wormholes all count as driven. (In three other offices of this kind, reuse added none: it takes bad luck.) So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, an anchor or two later, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
+# These wormholes all count as driven. (Of nine such offices, reuse added some in four, and took some away in three.) So did a car drive through a wall, several times? It drove one long step, but not through a wall. Reuse replaced an anchor with a vertex far away: RE from the previous anchor was high, and so was RE to the next. The drive's path now jumps to that vertex and, an anchor or two later, back. Both jumps count as driven, and driven steps are never pruned. *That's* the lie in the map. It's a weak spot in the method, and in our library, which follows it. Can you do better?
 #
 # ## 6 · Your own rule
 #
