@@ -931,7 +931,7 @@ print(f"{yesterday.outcome.success[some].sum()} of {len(some)}.")
 film_of(today, map_poses, again, at_goal, 18)
 
 # %% [markdown]
-# The robot begins with the same mistake. Then views that don't fit move the belief; the robot drops its plan and makes another from where it now thinks it is. (One run is luck: with other noise, this trip succeeds about two times in three.)
+# The robot begins with the same mistake. Then views that don't fit move the belief; the robot drops its plan and makes another from where it now thinks it is. (One run is luck: with other noise, this trip succeeds about four times in five.)
 #
 # ## 9 · Which remedy helped?
 #

@@ -664,7 +664,7 @@ show(from_figure(figure))
 # %% [markdown]
 # ## 5 · The race
 #
-# The systems of this course all raced on those thirty lives, and so did a **combined** robot, `LifelongAgent`, with everything that helped. It closes loops, remembers *every* panorama, plans on a metric map, and counts the metres to a ghost. Here's what three of them find again. A goal is *passed* once the robot has been within 1 m of it, and *never passed* if it hasn't been within 2 m; a few are neither.
+# The systems of this course all raced on those thirty lives, and so did a **combined** robot, `LifelongAgent`, with everything that helped. It closes loops, remembers *every* panorama, plans on a metric map, and counts the metres to a ghost. Here's what four of them find again. A goal is *passed* once the robot has been within 1 m of it, and *never passed* if it hasn't been within 2 m; a few are neither.
 
 
 # %% hidden=true
