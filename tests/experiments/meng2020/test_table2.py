@@ -638,11 +638,14 @@ def test_an_agent_is_a_file_and_a_class(where, words, tmp_path, monkeypatch):
             "class Mine:\n    def __init__(self):\n        x = 1\n        raise KeyError('abc')\n",
             "own.py, line 4: KeyError: 'abc'$",
         ),
-        ("class Mine:\n    def __init__(self, size): ...\n", "TypeError: .*missing 1 .*'size'"),
+        (
+            "class Mine:\n    def __init__(self, size): ...\n",
+            r"Mine is made without arguments, but takes \(size\)",
+        ),
         ("import numpy\n\nclass Mine\n    x = 1\n", "own.py, line 3: SyntaxError: "),
         ("\n\nimport no_such_module_at_all\n", "own.py, line 3: ModuleNotFoundError: No module"),
         ("x = 1\n1 / 0\n", "own.py, line 2: ZeroDivisionError"),
-        ("Mine = 5\n", "TypeError: 'int' object is not callable"),
+        ("Mine = 5\n", "Mine is 5; give the class itself, or a function"),
     ],
 )
 def test_a_file_with_a_fault_is_reported(own, text, words):

@@ -58,3 +58,31 @@ def test_what_is_said_without_numbers_holds():
     nts, next_best = PAPER["nts", "rgbd"], PAPER["ans_like", "rgbd"]
     ahead = [mine[0] - other[0] for mine, other in zip(nts, next_best, strict=True)]
     assert ahead == sorted(ahead)  # the advantage is largest on hard episodes
+
+
+def test_a_whole_search_needs_to_see_the_goal():
+    """A sentence without numbers, beside the choice for which the goal is worth nothing."""
+    found = {
+        row["agent"]: row["success"]
+        for row in load_result("nts_table1").rows
+        if (row["signs"], row["difficulty"], row["sensor"]) == ("plain", "hard", "rgbd")
+    }
+    assert "the library's agent finds about three in four; with the blind scores" in TEXT
+    assert "it finds little more than half" in TEXT
+    assert 0.7 < found["nts"] < 0.8
+    assert 0.5 < found["nts_blind"] < 0.6
+
+
+def test_a_graph_saves_metres_and_a_score_finds_goals():
+    rows = {(row["signs"], row["agent"], row["goals"]): row for row in load_result("nts_fig8").rows}
+
+    def ahead(key, signs, other, goals):
+        return rows[signs, "nts", goals][key] - rows[signs, other, goals][key]
+
+    assert "the graph is worth some 0.03 to 0.06 of SPL" in TEXT
+    for signs in ("plain", "wayfinding"):
+        assert all(0.025 < ahead("spl", signs, "nts_no_graph", n) < 0.075 for n in (1, 10))
+        assert abs(ahead("success", signs, "nts_no_graph", 10)) < 0.03  # about as many
+        worse = [ahead("success", signs, "nts_no_score", n) for n in (1, 5, 10)]
+        assert worse == sorted(worse)
+    assert ahead("spl", "plain", "nts_no_graph", 10) > ahead("spl", "plain", "nts_no_graph", 1)
