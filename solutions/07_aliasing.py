@@ -811,8 +811,8 @@ def score(drive, vertices):
 
 def settings_on_a(**settings):
     """Drive A's chart at some settings, and its score."""
-    _, chosen = tracked(drive_a, FilterSettings(**settings))
-    gap = metres_off(drive_a, chosen)
+    beliefs, chosen = tracked(drive_a, FilterSettings(**settings))
+    gap, sure = metres_off(drive_a, chosen), np.max(beliefs, axis=1).mean()
     figure, (axes,) = chart(7.0, 2.4)
     axes.plot(times, gap, color=colours.unit(colours.PERSON), linewidth=1.6)
     lost = np.isnan(gap)
@@ -823,15 +823,15 @@ def settings_on_a(**settings):
     axes.set(xlabel="time, s", ylabel="m from the truth", ylim=(0, 10))
     right, lost, wrong, points = score(drive_a, chosen)
     shares = f"right {right:.0%}, off the map {lost:.0%}, wrong {wrong:.0%}"
-    return from_figure(figure), f"on drive A: {shares}; score {points}"
+    return from_figure(figure), f"on drive A: {shares}; score {points}; mean belief {sure:.3f}"
 
 
 sliders(
     settings_on_a,
     unknown=(0.05, 0.95, 0.05, 0.4),
-    least=(0.005, 0.4, 0.005, 0.02),
+    least=(0.005, 0.395, 0.015, 0.02),
     sharpness=(0.25, 8.0, 0.25, 3.0),
-    hysteresis=(0.05, 0.95, 0.05, 0.5),
+    hysteresis=(0.05, 0.95, 0.15, 0.5),
 )
 
 # %%
