@@ -536,8 +536,8 @@ def test_an_interrupted_demo_leaves_nothing_behind(
         finally:
             running.kill()
     assert running.returncode == 130
-    words = b"interrupted; no file is half-written, and what was finished is kept for the next run"
-    assert error == words + b"\n"
+    assert error.startswith(b"interrupted; no file is half-written. ")
+    assert error.count(b"\n") == 1
     assert list(tmp_path.iterdir()) == []
 
 

@@ -80,7 +80,8 @@ def _run(arguments: list[str]) -> int:
         return WRONG_INPUT
     except KeyboardInterrupt:
         print(
-            "interrupted; no file is half-written, and what was finished is kept for the next run",
+            "interrupted; no file is half-written. The same experiment goes on with what was "
+            "finished, unless a class, robot or map of your own was given",
             file=sys.stderr,
         )
         return INTERRUPTED

@@ -144,7 +144,7 @@ def _known(
     An argument that changes nothing is such a mistake, too.
     """
     for words, fault in faults.items():
-        with suppress(Exception), np.errstate(all="ignore"):
+        with suppress(Exception):
             if all(same(got, fault(*case), *case) for case, got in given):
                 return words
     return altered([(got, right(*case)) for case, got in given]) or _unused(given, right)
@@ -161,7 +161,7 @@ def _partly(
     wrong = [got for (_, got), is_right in zip(given, fine, strict=True) if not is_right]
     best, fewest = "", len(given) if telling(wrong) else 0
     for words, fault in faults.items():
-        with suppress(Exception), np.errstate(all="ignore"):
+        with suppress(Exception):
             unlike = 0
             for (case, got), is_right in zip(given, fine, strict=True):
                 if not same(got, fault(*case), *case):

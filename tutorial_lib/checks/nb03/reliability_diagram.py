@@ -66,10 +66,8 @@ _HINTS: dict[type[Exception], str] = {
 @check(reliability_diagram, (*_random(2000, 8), 10))
 def check_reliability_diagram(student: Callable[..., Any]) -> None:
     """Few and many predictions, most of them near 1, in bins that come out even or not."""
-    invoke, words = (
-        calling(_HINTS),
-        "return three things: mean predictions, shares that came true, ECE",
-    )
+    invoke = calling(_HINTS)
+    words = "return three things: mean predictions, shares that came true, ECE"
     for name, case in _CASES.items():
         predicted, came_true, bins = case
         what = f"reliability_diagram, {name}"
