@@ -38,7 +38,7 @@ method is called with, in this order; None for what is no method."""
 _WHOLE = ("agent", "explorer")
 """Those that are whole systems, and have members of their parts, too."""
 OPTIONAL = {"explorer": {"look_for": "goals"}, "reachability": {"embed": "observations"}}
-"""The same for methods that it need not have."""
+"""The same as in `MEMBERS`, for methods that it need not have."""
 _RETURNED: dict[Path, FunctionType] = {}
 """By file of users' code, the method that returned last: what it gave is found wrong later."""
 
